@@ -32,7 +32,7 @@ extern const bench_format bench_formats[];
 #define BENCH_FORMAT_WORDS                                                                                             \
     "rgba32f|rgb32f|rgba16f|rgba16|rgb16|rgba8|rgb8|yuyv|nv12|grey8|grey10|grey12|grey16|bayer8|bayer10|bayer12|"      \
     "bayer14|bayer16|bayer10p|bayer12p|i420|nv21|nv16|uyvy|bgr8|bgrx8|rgbx8|grey10p|"                                  \
-    "grey12p|bgr32f|rgb16f|p010|i420-10|rgb10a2"
+    "grey12p|bgr32f|rgb16f|p010|i420-10|rgb10a2|i444-16"
 
 const char *bench_format_name(uint32_t pixel);
 /* PUPIL_PIXEL_NONE: there is none of that name. */

@@ -36,7 +36,7 @@ grep -q '"part":"histogram"' old.txt || fail "no histogram in ES 3.0: $(cat old.
 
 "$program" bench gles --help >help.txt
 [ "$(wc -l <help.txt)" -le 24 ] || fail "--help is $(wc -l <help.txt) lines"
-expect 2 "rgba32f" bench gles --format moon
+expect 2 "rgb10a2 i444-16" bench gles --format moon
 expect 2 "--size" bench gles --size 0x5
 expect 2 "--size" bench gles --size 66x33
 expect 2 "--frames" bench gles --frames 0
