@@ -170,7 +170,7 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
      .help = "which part of the frame counts most"},
     {"roi", 0, OPTION_TEXT, "X,Y,W,H", 0,
      .right = "X,Y,WIDTH,HEIGHT in fractions of the frame, for example 0.25,0.25,0.5,0.5", .parse = parse_roi,
-     .help = "meter only this part, in fractions of the frame"},
+     .help = "meter only this part, in fractions of the frame", .more = "In place of --metering: the last one counts."},
     {"trim", 0, OPTION_TEXT, "LOW,HIGH", 0,
      .right = "LOW,HIGH in per cent, for example 5,95, with 0 <= LOW < HIGH <= 100", .parse = parse_trim,
      .help = "leave out the darkest and the brightest, per cent: 5,95",

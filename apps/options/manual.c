@@ -12,7 +12,8 @@ typedef struct entry {
 } entry;
 
 static const entry inputs[] = {
-    {".exr, .hdr, .pic, .pfm, .png", "Stills. Several inputs follow one another in the order given."},
+    {".exr, .hdr, .pfm, .png, .jpg, .tif, .webp, .bmp, .dng",
+     "Stills, and raw files of cameras. Several inputs follow one another in the order given."},
     {"a folder, or a pattern in quotes ('frames/*.exr')",
      "Every still in it, in natural order (frame2 before frame10)."},
     {"a video file, or - for standard input",
@@ -22,6 +23,7 @@ static const entry inputs[] = {
     {"a folder with a recording.json",
      "A recording of pupil record or pupil run --record: the camera's frames with their "
      "times, exposures and gains, bit for bit."},
+    {"raw:FILE,format=RG10,size=WxH[,key=value...]", "Frames without a header; PUPIL REPLAY has the keys."},
     {"synth:walk", "A rendered clip: from a dark room to a bright window and back, with a flash on the way."},
     {"synth:SCENE",
      "The frames of a scene: one that is built in (candle, lamps, leds, meadow, room, room-radiosity, stars, "

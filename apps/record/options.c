@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include <sys/stat.h>
+
 #include "options/commands.h"
 #include "refuse.h"
 
@@ -50,6 +52,7 @@ const option_command record_command = {
 int record_options_parse(record_options *o, int argc, char **argv, pupil_why *why)
 {
     option_words words;
+    struct stat is;
     *o = (record_options){0};
     frame_options_begin(&o->run.shown);
     const int parsed = options_parse(&record_command, o, argc, argv, &words, why);
@@ -57,6 +60,8 @@ int record_options_parse(record_options *o, int argc, char **argv, pupil_why *wh
         return parsed;
     if (!words.count)
         return pupil_refuse(why, "no folder to record into; 'pupil record --help' has more");
+    if (words.count == 1 && stat(words.word[0], &is) == 0 && S_ISREG(is.st_mode))
+        return pupil_refuse(why, "%s: is a file; to record it, name a folder behind it", words.word[0]);
     if (o->run.device && words.count > 1)
         return pupil_refuse(why, "%s: -d names a camera already, and one folder is recorded into", words.word[0]);
     if (words.count > 1 && (o->run.live.capture.fourcc || o->automatic || o->run.exposure_s > 0.0 || o->run.gain > 0.0))

@@ -45,7 +45,7 @@ static const option_row frame_rows[] = {
      .more =
          "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
          "small file cannot take much memory. A number given here counts alone."},
-    {"explain", 0, OPTION_COUNT, "N", AT(explain), .high = 0x1p40, .unit = "a frame's number, from 0",
+    {"explain", 0, OPTION_COUNT, "N", AT(explain), .high = 0x1p40, .unit = "a frame's number",
      .help = "why frame N is as bright as it is, in words",
      .more =
          "N counts from 0, as in --stats. What was metered, what holds the level, what clips, and which option changes "

@@ -46,7 +46,7 @@ static const option_row part_out_row[] = {
 
 static const option_row curves_out_rows[] = {
     {"out", 'o', OPTION_PATH, "CURVES", AT(out), .help = "a curve for each frame"},
-    {"stats", 0, OPTION_PATH, "FILE", AT(frames.stats), .help = "a line a frame: .jsonl or .csv (- is JSONL on stdout)",
+    {"stats", 0, OPTION_PATH, "FILE", AT(frames.stats), .help = "figures of each frame: .jsonl .json .csv (- is JSONL)",
      .more = "As pupil replay has it, without the figures of the picture, which is not made here."},
 };
 

@@ -257,9 +257,11 @@ static int finish(video_source *v, pupil_why *why)
     if (pupil_video_damage_left(&v->damage, 1, text))
         return damaged(v, why, text);
     if (v->early[0] && v->io.error)
-        return failed(v, why, "ends after %llu frames: %s", (unsigned long long)v->sequence, v->early);
+        return failed(v, why, "ends after %llu frame%s: %s", (unsigned long long)v->sequence,
+                      v->sequence == 1 ? "" : "s", v->early);
     if (v->early[0]) { /* once: what follows is lost, and then the video is at its end */
-        pupil_refuse(why, "%s: ends after %llu frames: %s", v->name, (unsigned long long)v->sequence, v->early);
+        pupil_refuse(why, "%s: ends after %llu frame%s: %s", v->name, (unsigned long long)v->sequence,
+                     v->sequence == 1 ? "" : "s", v->early);
         v->early[0] = 0;
         return PUPIL_SOURCE_DAMAGED;
     }

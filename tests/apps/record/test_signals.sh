@@ -57,5 +57,8 @@ diff -r before walk || fail "a recording that was an input is changed"
 "$program" record walk other -q
 "$program" record walk other -y -q || fail "another recording is not replaced"
 
+"$program" record walk/frames.mkv -q 2>said && fail "a file alone is recorded"
+grep -q 'walk/frames.mkv: is a file; to record it, name a folder behind it' said || fail "a file alone: $(cat said)"
+
 "$program" help record | grep -q '^usage: pupil record' || fail "no help"
 end_test

@@ -51,6 +51,6 @@ explains "frame 0" synth:walk --size 32x18 --explain 0 --stats all.csv -n 20
 expect 1 "--explain 3: steady has 3 frames, which count from 0" replay steady --explain 3
 expect 2 "--explain 5: frames count from 0, and -n ends the run before" replay steady --explain 5 -n 5
 expect 2 "standard output" replay steady --explain 0 --stats -
-expect 2 "--explain x" replay steady --explain x
+expect 2 "--explain x: must be a frame's number, 0 or more" replay steady --explain x
 
 end_test
