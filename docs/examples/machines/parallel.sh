@@ -4,6 +4,7 @@
 # once more. $PUPIL: the program; $OPTIONS: settings of pupil replay, such as "--ev -0.5"; $KIND: of the parts' videos
 # (mkv; for y4m, OUT is a .nut, for Matroska takes no raw RGB).
 set -eu
+[ $# = 4 ] || { echo "usage: sh parallel.sh INPUT FRAMES RANGES OUT.mkv" >&2; exit 2; }
 input=$1 frames=$2 ranges=$3 out=$4
 pupil=${PUPIL:-pupil} kind=${KIND:-mkv} OPTIONS=${OPTIONS:-}
 for number in "FRAMES $frames" "RANGES $ranges"; do

@@ -4,6 +4,7 @@
 # $PUPIL: the program; $OPTIONS: settings of pupil replay; $KIND: of the videos (mkv). Run again, it makes
 # what is missing.
 set -eu
+[ $# = 4 ] || { echo "usage: sh slurm.sh INPUT FRAMES RANGES FOLDER" >&2; exit 2; }
 input=$(realpath -- "$1") frames=$2 ranges=$3 folder=$4
 pupil=${PUPIL:-pupil} kind=${KIND:-mkv} OPTIONS=${OPTIONS:-}
 for number in "FRAMES $frames" "RANGES $ranges"; do

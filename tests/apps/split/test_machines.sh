@@ -62,6 +62,7 @@ refused() { # WORDS ARGUMENTS...
     sh "$examples/parallel.sh" "$@" >said 2>&1 && fail "$*: not refused"
     grep -qF -- "$words" said || fail "$*: no '$words' in $(tail -n 3 said)"
 }
+refused "usage: sh parallel.sh INPUT FRAMES RANGES" clip2.mkv 30
 refused "shown0.nut.parts is of another" clip0.mkv 30 3 shown0.nut
 refused "shown0.nut.parts is of another" clip0.mkv 31 4 shown0.nut
 refused "shown0.nut.parts is of another" clip1.mkv 30 4 shown0.nut
