@@ -118,7 +118,9 @@ int pupil_file_source_open(const char *const *inputs, size_t count, const pupil_
             return PUPIL_SOURCE_FAILED;
         }
     if (strstr(inputs[0], "://")) {
-        pupil_refuse(why, "%s: files are read, not addresses: ffmpeg -i '%s' -f nut - | pupil replay - -o OUT.mp4",
+        pupil_refuse(why,
+                     "%s: files are read, not addresses: ffmpeg -i '%s' -map 0:v -c copy -f matroska - | "
+                     "pupil replay - -o OUT.mp4",
                      inputs[0], inputs[0]);
         return PUPIL_SOURCE_FAILED;
     }

@@ -32,6 +32,8 @@ int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_
     /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
     pupil_video_log_clear();
     const int code = avformat_open_input(format, "", NULL, NULL);
+    if (code < 0 && io->fd >= 0 && !io->read && !io->error)
+        return pupil_refuse(why, "nothing came; an image or a video was expected");
     if (code < 0)
         return pupil_refuse(why, "not an image or a video that can be read: %s",
                             io->error ? strerror(io->error) : pupil_libav_words(code, words));

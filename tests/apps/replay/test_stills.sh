@@ -99,6 +99,7 @@ done
 head -c 300 in/x.exr | "$program" replay - -o cut.png 2>said.err && fail "a piece of an EXR"
 grep -q "/dev/stdin: " said.err || fail "a piece of an EXR: $(cat said.err)"
 "$program" replay - -o cut.png </dev/null 2>said.err && fail "nothing on standard input"
+grep -q "standard input: nothing came; an image or a video was expected" said.err || fail "nothing came: $(cat said.err)"
 absent cut.png
 
 end_test
