@@ -11,7 +11,7 @@
  *         pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = s.exposure_s, .gain = s.gain});
  *     pupil_camera_close(camera, &why);
  *
- * camera_loop.h does the last four lines of a frame, and handles writes that are slow or refused.
+ * camera_loop.h does the last three lines of a frame, and handles writes that are slow or refused.
  *
  * It captures nothing and knows nothing of buffers. It works next to GStreamer or any program that has the device open.
  * Only this header, libpupil-camera and -pthread are needed (pkg-config pupil-camera); of libpupil it uses types.
