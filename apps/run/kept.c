@@ -61,7 +61,8 @@ int run_kept_read(FILE *in, const char *path, const char *camera, FILE *others, 
     *kept = (run_kept){0};
     if (next_line(&t) && strcmp(t.line, HEADER) != 0) {
         if (!is_zeroed(&t))
-            return pupil_refuse(why, "%s: was not written by --resume, and is left as it is; name another file", path);
+            return pupil_refuse(
+                why, "%s: was not written by --resume, and is left as it is; name another one: --resume FILE", path);
         kept->is_damaged = 1;
         return 0;
     }

@@ -236,6 +236,8 @@ static void test_lines(void)
     says("replay x --shutter 10ms", "--shutter: no such option of pupil replay; it is of pupil run, pupil record;");
     says("replay x --contrast 2", "--contrast: no such option of pupil replay; --tone chooses a curve; the rest is");
     says("replay x -crf 2", "-crf: no such option of pupil replay; coding is ffmpeg's: pupil replay IN -q -o - |");
+    says("replay x --exposure 1",
+         "--exposure: no such option of pupil replay; a camera's exposure time: pupil run --sh");
     says("replay x --output y", "--output: no such option of pupil replay; -o names outputs; the folder of");
     says("replay x --output=y", "--output: no such option of pupil replay; -o names outputs;");
     says("replay -i x", "-i: no such option of pupil replay; inputs have no option in front: pupil replay IN.mp4");

@@ -54,7 +54,7 @@ warm || fail "what did not fit was not replaced: $(cat state/pupil/cameras)"
 printf '%s\n0.5\tfa' "$(head -n 1 state/pupil/cameras)" >state/pupil/cameras
 call 0 "cameras: is damaged; it says nothing of this camera" fake:flat=600 -n 90
 echo "a diary" >state/pupil/cameras
-call 0 "cameras: was not written by --resume, and is left as it is" fake:flat=600 -n 90
+call 0 "cameras: was not written by --resume, and is left as it is; name another one: --resume FILE" fake:flat=600 -n 90
 [ "$(cat state/pupil/cameras)" = "a diary" ] || fail "another file is overwritten"
 
 end_test
