@@ -144,7 +144,7 @@ typedef struct pupil_frame_info {
                            * count as frames without timestamps, config.nominal_frame_s apart. */
     uint64_t sequence;    /* the driver's frame number; sensor.h counts lost frames by it */
     double exposure_s;    /* exposure time in seconds; 0: unknown, as is what is not from 2^-64 to 2^64 */
-    double gain;          /* total gain, 1 = none; the same */
+    double gain;          /* total gain, 1 = none; unknown as exposure_s is */
 } pupil_frame_info;
 
 /* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and where it is
