@@ -125,8 +125,8 @@ static uint32_t columns_of(const veil_object *o)
 
 /* A row of cells to terms in x: of the light, and of its moment in y. Light at a distance d from its cell's middle
  * counts as light there, and d times the slope. */
-static void add_row(const veil_object *o, const veil_cell cell[VEIL_CELLS], int channel, float unit, float *sum,
-                    float *moment)
+static __attribute__((noinline)) void add_row(const veil_object *o, const veil_cell cell[VEIL_CELLS], int channel,
+                                              float unit, float *sum, float *moment)
 {
     float here[VEIL_CELLS], x[VEIL_CELLS], y[VEIL_CELLS];
     for (int i = 0; i < VEIL_CELLS; i++) {
