@@ -183,6 +183,11 @@
 /* Further off than this light is followed in one step, nearer than this in a glide of at most GLIDE_EV a frame. */
 #define SENSOR_FAR_TIMES 4.5 /* of far_ev */
 #define SENSOR_GLIDE_EV  0.05
+/* A filter of weight w lets sqrt(w / 2) of the noise through. At rest the weight is at most (CALM_EV / noise)^2, which
+ * lets 0.014 EV. But it is this share of the usual one at least, for light that moves may look like noise
+ * (test_sensor_random_loops). */
+#define SENSOR_CALM_EV    0.02
+#define SENSOR_CALM_SHARE 0.25
 /* The share of the way that the filter goes in a frame while light moves to one side, where the delays are known; and
  * over the delay where they are not (largest k without overshoot of x' = x - k x[D - 1 before]: (D-1)^(D-1) / D^D). */
 #define SENSOR_TRACK_WEIGHT 0.35

@@ -192,13 +192,20 @@ static double ramp_of(const sensor_estimate *a)
     return size_of(least) > SENSOR_RAMP_NOISE * a->noise_ev ? least : 0.0;
 }
 
+/* The share of the way that is usual: less at rest, where noise would be seen, as that of few and dark frames is. */
+static double usual_weight(const pupil_sensor_object *o)
+{
+    const double tau_s = o->config.tau_s, share = SENSOR_CALM_EV / o->estimate.noise_ev;
+    const double usual = tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / tau_s) : 1.0;
+    return is_at_rest(&o->plan) ? clamp(share * share, SENSOR_CALM_SHARE * usual, usual) : usual;
+}
+
 /* What is wanted moves towards the goal, which is near. */
 static void filter(pupil_sensor_object *o, double off)
 {
     sensor_plan *p = &o->plan;
     const pupil_sensor_config *c = &o->config;
-    const double usual = c->tau_s > 0.0 ? pupil_one_minus_exp(o->setting.dt_s / c->tau_s) : 1.0;
-    const double most = most_weight(o);
+    const double usual = usual_weight(o), most = most_weight(o);
     double move = off * (usual < most ? usual : most);
     double most_ev =
         SENSOR_GLIDE_EV > size_of(move) ? SENSOR_GLIDE_EV : size_of(move); /* what is near is tau_s's alone */

@@ -65,13 +65,14 @@ static double flat_ev(const pupil_sensor_object *o, const sensor_point *from)
     return widest;
 }
 
-/* Whether a control may do `need` stops from a setting on. */
+/* Whether a control may do `need` stops from a setting on, up to the last gain that the camera has. */
 static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     const pupil_sensor_config *c = &o->config;
     const double to = setting[control] + need;
     const double least = control == SENSOR_GAIN ? c->gain_min : c->exposure_min_s;
-    const double most = control == SENSOR_GAIN ? c->gain_max : pupil_sensor_longest_exposure(c);
+    const double most =
+        control == SENSOR_GAIN ? pupil_sensor_gain_of(c, c->gain_max) : pupil_sensor_longest_exposure(c);
     const uint32_t mode = control == SENSOR_GAIN ? c->gain_mode : c->exposure_mode;
     return mode == PUPIL_SENSOR_AUTO && to <= pupil_log2(most) && to >= pupil_log2(least);
 }
@@ -243,6 +244,13 @@ static double leave(pupil_sensor_object *o, double need)
     return rest_at(o, best->total, wanted - best->effect);
 }
 
+/* The control that moves is at its end. */
+static int is_at_end(const pupil_sensor_object *o, double need)
+{
+    return is_requested(o, need < 0.0 ? -SENSOR_TOTAL_END_EV : SENSOR_TOTAL_END_EV) ||
+           !has_room(o, (int)o->search.mover, o->estimate.requested, need);
+}
+
 /* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
 void pupil_sensor_search_on(pupil_sensor_object *o, double need)
 {
@@ -265,8 +273,8 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
         move_only(o, other, a->requested); /* the control that moves does nothing */
         s->swaps++;
         s->unanswered = 0;
-    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && !has_room(o, (int)s->mover, a->requested, need)) {
-        s->is_pinned[0] = s->is_pinned[1] = 0; /* the control that moves is at its end */
+    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && is_at_end(o, need)) {
+        s->is_pinned[0] = s->is_pinned[1] = 0;
         pupil_sensor_forget_points(s);
     }
 }

@@ -243,9 +243,12 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
     sensor_fit fit = {e, is_fixed ? fixed : pupil_sensor_gain_of(c, total / pupil_sensor_told(o, e)), 0.0};
     uint32_t hz = is_auto ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
-    if (is_auto && !is_fixed_s && fit.gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * fit.gain) {
+    /* at the dark end, all exposure there is, unless multiples were asked for or there is one beyond this */
+    const int may_be_any =
+        is_auto || (o->setting.mains == PUPIL_SENSOR_MAINS_FOUND && next_exposure(c, c->mains_hz, e) <= e);
+    if (may_be_any && !is_fixed_s && fit.gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * fit.gain) {
         fit.exposure_s = line_at_least(c, total / fit.gain < most_s ? total / fit.gain : most_s);
-        hz = 0; /* at the dark end, all exposure there is */
+        hz = 0;
     }
     fit.off_ev = size_of(pupil_log2(total / (pupil_sensor_told(o, fit.exposure_s) * fit.gain)));
     fit_coarse(o, is_fine ? 0 : hz, total, is_fixed_s, is_fixed, &fit);

@@ -6,7 +6,7 @@
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
-seed=${1:-1} count=${2:-2000} most=${3:-7}
+seed=${1:-1} count=${2:-2000} most=${3:-5}
 
 echo "cameras from seed $seed; others: tests/apps/lab/sim/test_random.sh SEED COUNT MOST, with PUPIL_PROGRAM=.../pupil"
 status=0
