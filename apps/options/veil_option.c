@@ -1,5 +1,6 @@
 #include "veil_option.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,7 +62,7 @@ static int parse_file(const char *path, pupil_veil_config *c, pupil_why *why)
     for (unsigned number = 1; !failed && fgets(line, sizeof line, file); number++)
         failed = parse_line(line, path, number, c, why);
     if (!failed && ferror(file))
-        failed = pupil_refuse(why, "--veil %s: cannot be read", path);
+        failed = pupil_refuse(why, "--veil %s: cannot be read: %s", path, strerror(errno));
     fclose(file);
     if (!failed && !c->gaussians)
         failed = pupil_refuse(why,

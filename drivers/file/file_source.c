@@ -87,6 +87,8 @@ static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
                             "%s: there is no such file; a sequence is a pattern in quotes, such as 'seq.*.exr', or "
                             "its folder",
                             input);
+    if (!input[0])
+        return pupil_refuse(why, "the name of an input is empty");
     return pupil_refuse(why, "%s: cannot be opened: %s", input, strerror(errno));
 }
 

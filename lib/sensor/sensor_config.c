@@ -48,20 +48,20 @@ typedef struct {
     const char *fault;
 } field_range;
 
-#define RANGE(field, is_count, least, most)                                                                            \
+#define RANGE(field, is_count, least, most, words)                                                                     \
     {                                                                                                                  \
-        offsetof(pupil_sensor_config, field), is_count, least, most, #field " must be from " #least " to " #most       \
+        offsetof(pupil_sensor_config, field), is_count, least, most, #field " must be " words                          \
     }
-#define COUNT(field, least, most)  RANGE(field, 1, least, most)
-#define NUMBER(field, least, most) RANGE(field, 0, least, most)
+#define COUNT(field, least, most)  RANGE(field, 1, least, most, "from " #least " to " #most)
+#define NUMBER(field, least, most) RANGE(field, 0, least, most, "from " #least " to " #most)
 
 static const field_range ranges[] = {
     COUNT(delay_frames, 1, 16),
-    NUMBER(key, 0.0009765625, 1),
+    RANGE(key, 0, 0x1p-10, 1, "from 2^-10 to 1"),
     NUMBER(ev_compensation, -16, 16),
     COUNT(key_points, 0, 8),
-    COUNT(reserved, 0, 0),
-    NUMBER(clip, 0.0000152587890625, 65536),
+    RANGE(reserved, 1, 0, 0, "0"),
+    RANGE(clip, 0, 0x1p-16, 65536, "from 2^-16 to 65536"),
     NUMBER(trim_low, 0, 1),
     NUMBER(highlight_share, 0.001, 1),
     NUMBER(highlight_ev, 0, 8),
@@ -73,7 +73,7 @@ static const field_range ranges[] = {
     NUMBER(exposure_max_s, 1e-9, 1e4),
     NUMBER(exposure_step_s, 0, 1),
     COUNT(frame_rate_priority, 0, 1),
-    NUMBER(gain_max, 0.0009765625, 65536),
+    RANGE(gain_max, 0, 0x1p-10, 65536, "from 2^-10 to 65536"),
     COUNT(lock, 0, 1),
     COUNT(flash_frames, 0, 8),
     COUNT(linear, 0, 1),
@@ -82,7 +82,7 @@ static const field_range ranges[] = {
     COUNT(exposure_mode, 0, 2),
     COUNT(gain_mode, 0, 2),
     COUNT(exposure_count, 0, 64),
-    COUNT(reserved_too, 0, 0),
+    RANGE(reserved_too, 1, 0, 0, "0"),
     NUMBER(day_ev, -256, 256),
     NUMBER(day_night_s, 0, 1e6),
 };
@@ -132,7 +132,7 @@ static const char *fault_of_exposure(const pupil_sensor_config *c)
         return "manual_exposure_s must be from 1e-9 to 1e4 with PUPIL_SENSOR_MANUAL";
     for (uint32_t i = 0; i < c->exposure_count; i++)
         if (!(c->exposure_table[i] >= (i ? c->exposure_table[i - 1] : 1e-9) && c->exposure_table[i] <= 1e4))
-            return "exposure_table must rise, from 1e-9 to 1e4 s";
+            return "exposure_table must be from 1e-9 to 1e4 s, and must not fall";
     return 0;
 }
 
@@ -158,7 +158,7 @@ static const char *fault_of_gain_table(const pupil_sensor_config *c)
         return "gain_count must be from 1 to 64 with PUPIL_GAIN_TABLE";
     for (uint32_t i = 0; i < c->gain_count; i++)
         if (!(c->gain_table[i] >= (i ? c->gain_table[i - 1] : 0x1p-10) && c->gain_table[i] <= 65536.0))
-            return "gain_table must rise, from 2^-10 to 65536";
+            return "gain_table must be from 2^-10 to 65536, and must not fall";
     return 0;
 }
 

@@ -34,6 +34,7 @@ absent new report
 
 # wrong inputs
 expect 1 "missing.exr" replay missing.exr -o a.mp4
+expect 1 "the name of an input is empty" replay "" -o a.mp4
 expect 1 "files are read, not addresses: ffmpeg -i 'rtsp://cam/1' -map 0:v -c copy -f matroska - | pupil" replay rtsp://cam/1 -o a.mp4
 expect 1 "miss?ing?.exr" replay "$(printf 'miss\ning\033.exr')" -o a.mp4
 expect 1 "walk" replay synth:run -o a.mp4

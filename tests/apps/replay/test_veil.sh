@@ -9,6 +9,7 @@ walk="replay synth:walk --size 96x54 -n 3 -q -y"
 
 # what is refused
 expect 2 "--veil ear: no such file; must be eye, eye:AGE or a file of Gaussians" $walk --veil ear
+expect 2 "--veil .: cannot be read: Is a directory" $walk --veil .
 expect 2 "--veil eye:0: the age must be from 1 to 120 years" $walk --veil eye:0
 expect 2 "--veil eye:old: the age must be from 1 to 120 years" $walk --veil eye:old
 expect 2 "--veil eye:: the age" $walk --veil eye:
