@@ -123,7 +123,7 @@ static void test_inputs(void)
     CHECK(pupil_file_source_open(with_video, 2, NULL, &source, &why) == PUPIL_SOURCE_FAILED);
     CHECK(strstr(why.text, "pan:room.hdr: must be the only input"));
     CHECK(pupil_file_source_open(two, 0, NULL, &source, &why) == PUPIL_SOURCE_FAILED && *why.text);
-    CHECK(!open_one("", 0) && strstr(why.text, "cannot be opened"));
+    CHECK(!open_one("", 0) && strstr(why.text, "the name of an input is empty"));
     CHECK(!open_one(scratch("clip.mp4"), 0) && strstr(why.text, "clip.mp4"));  /* goes to the video source */
     CHECK(!open_one("pan:nothing.hdr", 0) && strstr(why.text, "nothing.hdr")); /* and this to the panorama's */
 }
