@@ -30,7 +30,8 @@ static int64_t run_log2(const pupil_run *run, uint64_t *frac_q40)
     return whole + (int64_t)(q40 >> 40);
 }
 
-static void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n, uint32_t weight, uint32_t band)
+static __attribute__((noinline)) void stats_add_run(pupil_stats *stats, const pupil_run *run, uint32_t n,
+                                                    uint32_t weight, uint32_t band)
 {
     uint64_t frac;
     int64_t whole = run_log2(run, &frac);

@@ -379,7 +379,7 @@ static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
 
 /* The delay of a control, once the frames fit no other one, regardless of what was believed at first; until it is
  * contradicted. Else 0. */
-static uint32_t delay_of(const pupil_sensor_object *o, int control)
+static __attribute__((noinline)) uint32_t delay_of(const pupil_sensor_object *o, int control)
 {
     const sensor_estimate *a = &o->estimate;
     double best = SENSOR_FAR_AWAY, second = SENSOR_FAR_AWAY;
