@@ -180,12 +180,13 @@ static void meter_unit(const work *w, uint32_t i)
         return;
     const uint8_t *weight = weights_of(w, unit_row, &band);
     pupil_row row = row_of(w, i);
-    if (w->meter.sample > 1)
+    if (w->meter.sample > 1) {
         find_counted(w, unit_row, w->meter.sample, w->meter.sample, &row);
-    else if (w->meter.histogram)
+        if (!row.bins_rows)
+            return;
+    } else if (w->meter.histogram) {
         find_counted(w, unit_row, w->histogram_step, w->meter.histogram, &row);
-    if (w->meter.sample > 1 && !row.bins_rows)
-        return;
+    }
     work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
 }
 

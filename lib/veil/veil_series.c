@@ -220,14 +220,9 @@ static __attribute__((noinline)) void find_rows(veil_object *o, uint32_t first_r
     float at[VEIL_TERMS];
     for (uint32_t j = 0; j < count; j++) {
         pupil_veil_terms_at((first_row + j + 0.5) / (o->config.height * o->config.period), o->terms, at);
-        for (int channel = 0; channel < 3; channel++) {
-            float *restrict row = o->work[channel][j];
-            for (uint32_t k = 0; k < o->terms; k++)
-                row[k] = 0.0f;
-            for (uint32_t l = 0; l < o->terms; l++)
-                for (uint32_t k = 0; k < o->terms; k++)
-                    row[k] += at[l] * o->series[channel][l][k];
-        }
+        for (int channel = 0; channel < 3; channel++)
+            add_rows(&(weighted_rows){(term_row *)o->series[channel], 0, at, 0, o->terms}, columns_of(o),
+                     o->work[channel][j]);
     }
 }
 
