@@ -25,7 +25,7 @@ static const option_group groups[] = {{0}};
 
 const option_command ctl_command = {
     .name = "ctl",
-    .summary = "asks and changes a running 'pupil run --control PATH'",
+    .summary = "queries and changes a running 'pupil run --control PATH'",
     .usage = "PATH COMMAND [VALUE]\nPATH < COMMANDS",
     .about = "Sends lines to the socket of a run, and prints the answers, lines of JSON.\n"
              "  status                     the latest frame, and the settings\n"

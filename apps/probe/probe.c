@@ -52,7 +52,7 @@ static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
 
 const option_command probe_command = {
     .name = "probe",
-    .summary = "what a camera offers, and, measured in its picture, what it does",
+    .summary = "what a camera offers, and what it really does, measured in its picture",
     .usage = "[-d CAMERA] [options]",
     .about = "Shows what a camera offers, and measures in its picture what it does: how its memory\n"
              "is read, after how many frames exposure and gain act, whether the picture follows them,\n"

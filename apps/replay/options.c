@@ -33,7 +33,7 @@ static const option_row frame_rows[] = {
      .more = "Of the input's time, as in ffmpeg; -ss is the same. Frames before are left out, and adaptation begins "
              "there."},
     {"duration", 't', OPTION_TIME, "TIME", AT(duration_s), .low = 1e-6, .high = 1e9, .unit_s = 1.0,
-     .right = "seconds above 0, 500ms, 2min or 00:01:30", .help = "so long: 2min"},
+     .right = "seconds above 0, 500ms, 2min or 00:01:30", .help = "only this much: 2min"},
     {"hold", 0, OPTION_COUNT, "N", AT(hold), .initial = "1", .low = 1, .high = 1e6, .help = "show each frame N times",
      .more = "Each time one frame period later."},
     {"keep-going", 0, OPTION_FLAG, NULL, AT(keep_going), .help = "skip bad frames",
@@ -41,7 +41,7 @@ static const option_row frame_rows[] = {
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
     {"max-pixels", 0, OPTION_COUNT, "N", AT(source.max_pixels), .low = 1, .high = 0x1p26, .unit = "a number of pixels",
-     .help = "refuse larger",
+     .help = "refuse larger frames",
      .more =
          "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
          "small file cannot take much memory. A number given here counts alone."},
@@ -52,7 +52,7 @@ static const option_row frame_rows[] = {
          "it, on standard output. Without outputs the run ends there."},
     {"no-rotate", 0, OPTION_FLAG, NULL, AT(source.as_stored), .help = "frames as they are stored",
      .more = "Not turned upright, which phones leave to the player."},
-    {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "of a pan's default path"},
+    {"seed", 0, OPTION_COUNT, "N", AT(source.seed), .low = 1, .high = 0x1p64, .help = "for a pan's default path"},
 };
 
 static int parse_veil(const option_value *v)
@@ -72,13 +72,13 @@ static const option_row look_rows[] = {
          "share "
          "of the light. Not for pictures of a camera, whose lens has put its own in: docs/look.md."},
     {"fov", 0, OPTION_NUMBER, "DEGREES", AT(eye.fov_deg), .initial = "54", .low = 0.1, .high = 150, .unit = "degrees",
-     .help = "of the picture's width"},
-    {"bloom", 0, OPTION_FLAG, NULL, AT(bloom), .help = "and glow around lamps",
+     .help = "horizontal field of view"},
+    {"bloom", 0, OPTION_FLAG, NULL, AT(bloom), .help = "also the glow around lamps",
      .more = "The narrow part of what --veil names, which is the glow around lights: with it the picture has the whole "
              "point "
              "spread function. A FILE of narrow Gaussians alone is a bloom without a veil. By the CPU."},
     {"bloom-above", 0, OPTION_NUMBER, "LIGHT", AT(bloom_above), .initial = "0", .low = 0, .high = 0x1p30,
-     .unit = "light in the frames' unit", .help = "of --bloom: only of pixels that are brighter",
+     .unit = "light in the frames' unit", .help = "with --bloom: only light above this glows",
      .more = "Of a pixel whose largest channel is m, the share of light above LIGHT scatters: (m - LIGHT) / m."},
 };
 
@@ -122,8 +122,8 @@ const option_command replay_command = {
         "V4L2's "
         "other formats. Keys: format, size, stride and skip (bytes), black and white (codes), shift (bits), balance "
         "(auto, off, R/G/B), matrix (nine numbers with /), knees (CODE:LIGHT/...).\n\n"
-        "Every output is written next to its place and renamed when it is complete. After an error there is none. "
-        "Ctrl-C keeps the frames until then; a second one gives them up.",
+        "Every output is written under a temporary name and renamed when it is complete. After an error there is no "
+        "output. Ctrl-C keeps the frames so far; a second Ctrl-C discards them.",
     .groups = groups,
 };
 

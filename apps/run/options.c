@@ -158,12 +158,12 @@ static const option_row control_rows[] = {
      .help = "the same by its period: 10000us or 8333us"},
     {"row-gains", 0, OPTION_FLAG, NULL, AT(row_gains),
      .help = "correct flicker bands row by row, in exposures below a period",
-     .more = "Below 10 ms (50 Hz) or 8.3 ms (60 Hz), because it is bright or by --shutter, lamps leave bands. The CPU "
-             "corrects them. Frames that are clipped or partly lit by daylight are left as they are. A daylit area "
-             "below a tenth of an eighth of the picture's width and height is not detected and would get bands: "
-             "therefore this is an option. With --mains auto the frequency is found first; --mode digital needs 50 or "
-             "60. The last line says in how many frames it was done, and why not in the last one. Not with --gles or "
-             "--fused."},
+     .more = "In exposures below 10 ms (50 Hz) or 8.3 ms (60 Hz) lamps leave bands; exposures are that short in bright "
+             "light or by --shutter. The CPU corrects them. Frames that are clipped or partly lit by daylight are left "
+             "as they are. A daylit area below a tenth of an eighth of the picture's width and height is not detected "
+             "and would get bands, so this is an option. With --mains auto the frequency is found first; --mode "
+             "digital needs 50 or 60. The last line says how many frames were corrected, and why the last one was not. "
+             "Not with --gles or --fused."},
     {"readout", 0, OPTION_TIME, "MS", AT(readout_s), .low = 1e-4, .high = 1.0, .unit_s = 1e-3,
      .right = "25ms, or a plain number of milliseconds, from 0.1 to 1000",
      .help = "for --row-gains: time from first row to last (the driver's)",
@@ -176,23 +176,23 @@ static const option_row control_rows[] = {
     {"gain-max", 0, OPTION_NUMBER, "FACTOR", AT(gain_max), .low = 0x1p-10, .high = 65536.0,
      .right = "a factor from 0.001 to 65536; 1 is no gain", .help = "largest gain"},
     {"control", 0, OPTION_PATH, "SOCKET", AT(control), .help = "for 'pupil ctl SOCKET'",
-     .more = "A Unix socket of mode 0600: a command a line, an answer in JSON a line, between frames. pupil ctl --help "
-             "has the commands. It is removed at the end."},
+     .more = "A Unix socket of mode 0600. Each line is a command, each answer a line of JSON, between frames. pupil "
+             "ctl --help has the commands. The socket is removed at the end."},
     {"day-night", 0, OPTION_TEXT, "EV,EV,S", 0, .parse = parse_day_night,
      .right = "two EV of scene light from -64 to 64, night's first, and seconds above 0, for example -3,-1.5,10",
-     .help = "night from day",
-     .more = "Night is below the first for S seconds, day above the second, in the light of the scene (scene_ev of "
-             "--stats), without what filters were announced to pass (pupil ctl). "
-             "Each change is a line on standard error; --stats has it for each frame, pupil ctl in its status."},
+     .help = "detect night and day",
+     .more = "Night begins after S seconds below the first EV, day after S seconds above the second. EV is the light "
+             "of the scene (scene_ev of --stats), without filters that were announced (pupil ctl). Each change is a "
+             "line on standard error; --stats has it for each frame, pupil ctl in its status."},
     {"camera-ev", 0, OPTION_TEXT, "EV,...", 0, .parse = parse_camera_ev,
      .right = "stops from -16 to 16, one for each camera after the first, at most 7",
-     .help = "stops that the cameras after the first are more sensitive",
-     .more =
-         "With several --device, which share one exposure. The first one leads: its frames decide. The others follow "
-         "with its exposure time times gain, less these stops, each split for its own limits and steps, and in --mode "
-         "both with its adaptation. The leader stays within what all can. %i in the names of outputs is the camera's "
-         "number, from 0. A camera that is lost ends its own outputs; the next one leads then. --control is the "
-         "first camera's. The last line of each says how much more light it saw than the leader."},
+     .help = "by how many stops the other cameras are more sensitive",
+     .more = "With several --device, which share one exposure. The first camera leads: its frames decide. The others "
+             "follow with its exposure time times gain, less these stops, each split by its own limits and steps, and "
+             "in --mode both with its adaptation. The leader stays within what all cameras can do. %i in the names of "
+             "outputs is the camera's number, from 0. A camera that is lost ends its own outputs; the next one then "
+             "leads. --control is the first camera's. The last line of each camera says how much more light it saw "
+             "than the leader."},
     {"no-frame-rate-priority", 0, OPTION_FLAG, NULL, AT(any_frame_rate),
      .help = "in the dark, expose longer than a frame",
      .more = "After the gain has reached its limit. Frames then come slower."},
@@ -216,27 +216,26 @@ static const option_row control_rows[] = {
              "the exposure are visible for some frames."},
     {"curve", 0, OPTION_CHOICE, "auto|linear|unknown", AT(curve), .initial = "auto",
      .help = "whether the camera's values are linear in light",
-     .more = "linear: the first step of the exposure is a whole one. unknown: it goes half way and shows how strongly "
-             "the picture answers. auto: linear for mosaics, for grey, and where the driver says so; unknown for other "
+     .more = "linear: the first exposure step is a full one. unknown: it goes half the way and shows how strongly the "
+             "picture responds. auto: linear for mosaics, for grey, and where the driver says so; unknown for other "
              "formats, and for grey of a USB camera (uvcvideo) whose driver does not say."},
     {"resume", 0, OPTION_PATH, "FILE", AT(resume), .parse = parse_resume, .help = "state file (~/.local/state/pupil)",
-     .more =
-         "A run begins with the exposure time times gain at which this camera (by driver, bus and card) was at rest "
-         "in its last run. It is kept in the file cameras in $STATE_DIRECTORY, $XDG_STATE_HOME/pupil or "
-         "~/.local/state/pupil, or in FILE, which has a line for each camera. It is written after five seconds, every "
-         "minute where it has changed, and at the end, after Ctrl-C too. At most 30 frames, taken before that exposure "
-         "is in force, are left out. A missing or empty file is no error. Of a damaged one the undamaged lines are "
-         "used, with a "
-         "warning. Any other file is refused and left as it is; in the usual place there is only a warning. What the "
-         "camera cannot have is not used. Not with --mode digital, or with both --shutter and --gain."},
+     .more = "A run begins with the exposure time times gain at which this camera (by driver, bus and card) was at "
+             "rest in its last run. It is kept in the file \"cameras\" in $STATE_DIRECTORY, $XDG_STATE_HOME/pupil or "
+             "~/.local/state/pupil, or in FILE, which has a line for each camera. It is written after five seconds, "
+             "every minute if it has changed, and at the end, after Ctrl-C too. The frames taken before that exposure "
+             "is in force, at most 30, are left out. A missing or empty file is no error. In a damaged one the "
+             "undamaged lines are used, with a warning. Any other file is refused and left as it is; in the usual "
+             "place there is only a warning. A setting that the camera cannot have is not used. Not with --mode "
+             "digital, or with both --shutter and --gain."},
     {"no-resume", 0, OPTION_FLAG, NULL, AT(begins_cold), .help = "begin cold",
-     .more = "With the setting that the camera has. Nothing is read and nothing is kept."},
+     .more = "From the camera's present setting. No state is read or written."},
     {"newest", 0, OPTION_FLAG, NULL, AT(live.capture.late), .help = "skip late frames",
-     .more = "Of several frames that wait, the last is taken. The others count as late. Without it, this begins where "
-             "the program turns out to be slower than the camera, but not with --record."},
+     .more = "If several frames are waiting, the newest is taken and the others count as late. Without this option, "
+             "frames are skipped once the program turns out to be slower than the camera, but never with --record."},
     {"reopen", 0, OPTION_TIME, "TIME", AT(live.capture.reopen_s), .high = 1e6, .unit_s = 1.0, .initial = "0",
-     .right = "seconds, from 0 to 1000000", .help = "await an unplugged one",
-     .more = "Also where its stream stopped. 0: that ends the run, with exit status 1."},
+     .right = "seconds, from 0 to 1000000", .help = "wait for an unplugged camera",
+     .more = "Also for one whose stream has stopped. 0: the run ends, with exit status 1."},
 };
 
 static const option_row output_rows[] = {
@@ -276,10 +275,10 @@ const option_command run_command = {
     .manual =
         "Takes live frames of a V4L2 camera, controls its exposure, and shows, writes or pipes the picture. Ctrl-C, "
         "SIGTERM, SIGHUP, a closed pipe, -n, -t and an unplugged camera end the run with every output complete. A "
-        "second Ctrl-C gives up what is not complete. Files play at the camera's speed, also where frames were lost. "
+        "second Ctrl-C discards what is not complete. Files play at the camera's speed, also where frames were lost. "
         "Controls that pupil changes get their old values back however the run ends, except by SIGKILL.\n\n"
         "On a terminal a line shows frames a second, the latency from the driver's timestamp to the mapped frame, the "
-        "metered EV, exposure, gain, the state and lost frames. Into a pipe goes a line at the beginning and one at "
+        "metered EV, exposure, gain, the state and lost frames. A pipe gets one line at the beginning and one at "
         "the end.\n\n"
         "Without --width, --height, --framerate and --format the camera stays as it is set. What --shutter and --gain "
         "do not set is controlled; in digital mode it stays as it is.\n\n"

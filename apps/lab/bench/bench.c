@@ -18,7 +18,7 @@ static int (*const runs[])(int argc, char **argv) = {bench_kernels_main, bench_g
 
 const option_command bench_command = {
     .name = "bench",
-    .summary = "how long things take, relative to what they cannot be faster than",
+    .summary = "measures speed, next to the physical limit",
     .parts = parts,
 };
 

@@ -128,8 +128,8 @@ static const option_row rows[] = {
              "0.25 EV or half its step from its best setting, a swing of 0.1 EV, a limit that is not named."},
     {"random", 0, OPTION_COUNT, "N", AT(plants), .low = 1, .high = 1e9,
      .help = "N cameras and scripts from seeds; fails where a loop ends wrong",
-     .more = "Exit status 1 as with --check, or where a loop requests what is no number. Each such seed is named "
-             "with the command that shows it again. A table says how cameras with each fault ended."},
+     .more = "Exit status 1 as with --check, or where a loop requests a value that is not finite. Each such seed is "
+             "named with the command that shows it again. A table says how cameras with each fault ended."},
     {"seed", 0, OPTION_COUNT, "S", AT(seed), .high = 0x1p62, .initial = "1",
      .help = "the first seed; '--random 1' shows one"},
     OPTION_ROW_THREADS(sim_options, threads, "0"),

@@ -62,7 +62,7 @@ static const option_group groups[] = {{NULL, OPTION_ROWS(rows)}, {0}};
 
 const option_command study_command = {
     .name = "study",
-    .summary = "the study of adaptation again: tables, videos, acceptance",
+    .summary = "reproduces the study of adaptation: tables, videos, checks",
     .usage = "[SCENE] [options]\nlook [SCENE] [--size WxH] [--eye CD_M2]\n--regression CSV [--check]",
     .about = "After how many frames does the picture no longer change? Four changes of light,\n"
              "four formulas, twenty weights. Tables and plots go to --out; without it only\n"

@@ -148,11 +148,11 @@ typedef struct pupil_sensor_config {
     uint32_t frame_rate_priority; /* 1: automatic exposures stay within frame_s; 0: in the dark, once the gain is at its
                                    * maximum, they may grow up to exposure_max_s; 1 */
     uint32_t mains_hz;        /* 50, 60, 0 (no lamps), or PUPIL_SENSOR_MAINS_AUTO, the default: found from the frames,
-                               * taken as 50 until then. Exposures of half a mains period and more are multiples of half a
-                               * period (rounded down to a multiple of exposure_step_s), unless that would cost more than
-                               * half a stop. Manual and held ones are so only where it is 50 or 60, or found. Of an
-                               * exposure_table the entries within 5 % of such a multiple are used, or all if there is
-                               * none */
+                               * taken as 50 until then. Exposures of half a mains period and more are multiples of half
+                               * a period (rounded down to a multiple of exposure_step_s), unless that would cost more
+                               * than half a stop. Manual and held ones are so only where it is 50 or 60, or found. Of
+                               * an exposure_table the entries within 5 % of such a multiple are used, or all if there
+                               * is none */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* for PUPIL_SENSOR_MANUAL: 1e-9..1e4; clamped to the limits, rounded to the steps */
