@@ -55,7 +55,7 @@ static int reach(const char *path, pupil_why *why)
     const struct timeval wait = {.tv_sec = WAIT_S};
     struct stat is;
     if (stat(path, &is) == 0 && !S_ISSOCK(is.st_mode))
-        return pupil_refuse(why, "%s: is no socket; 'pupil run --control PATH' makes one", path);
+        return pupil_refuse(why, "%s: is not a socket; 'pupil run --control PATH' makes one", path);
     if (socket_path_open(&at, path, why))
         return -1;
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);

@@ -290,7 +290,7 @@ int frame_options_check(frame_options *o, int weight_given, int key_given, pupil
     if (key_given && o->config.key_points)
         return pupil_refuse(why, "--key and --key-at: one of them; --key is the same in any light");
     if (o->gles_version && !o->gles && !o->view)
-        return pupil_refuse(why, "--gles-version: is of --gles and --view");
+        return pupil_refuse(why, "--gles-version: needs --gles or --view");
     if (o->dither == 2 && o->report)
         return pupil_refuse(why, "--dither on: a report measures codes without it");
     o->config.dither = o->dither ? o->dither == 2 : wants_dither(o);

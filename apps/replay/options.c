@@ -131,7 +131,7 @@ const option_command replay_command = {
 static int check_loop(const frame_options *o, pupil_why *why)
 {
     if (o->loop && !o->view)
-        return pupil_refuse(why, "--loop: is of --view; to write frames several times there is --hold");
+        return pupil_refuse(why, "--loop: needs --view; --hold writes frames several times");
     for (size_t i = 0; o->loop && i < o->input_count; i++)
         if (strcmp(o->inputs[i], "-") == 0)
             return pupil_refuse(why, "--loop: standard input cannot be read again; name a file");
@@ -142,11 +142,11 @@ static int check_loop(const frame_options *o, pupil_why *why)
 static int check_veil(const frame_options *o, int fov_given, pupil_why *why)
 {
     if (fov_given && !o->veil)
-        return pupil_refuse(why, "--fov: is of --veil");
+        return pupil_refuse(why, "--fov: needs --veil");
     if (o->bloom && !o->veil)
-        return pupil_refuse(why, "--bloom: is of --veil, which names the point spread function: --veil eye --bloom");
+        return pupil_refuse(why, "--bloom: needs --veil, which names the point spread function: --veil eye --bloom");
     if (o->bloom_above > 0 && !o->bloom)
-        return pupil_refuse(why, "--bloom-above: is of --bloom");
+        return pupil_refuse(why, "--bloom-above: needs --bloom");
     if (o->bloom && o->gles)
         return pupil_refuse(why, "--bloom and --gles: one of them; the CPU maps frames with a bloom");
     if (o->veil && o->config.order == PUPIL_ORDER_FUSED)
@@ -169,7 +169,7 @@ static int check_acting(const frame_options *o, const option_words *words, pupil
     static const char *const of_seconds[] = {"tau-light", "tau-dark"};
     for (size_t i = 0; i < sizeof of_seconds / sizeof of_seconds[0]; i++)
         if (o->config.law != PUPIL_LAW_SECONDS && options_given(&replay_command, words, of_seconds[i]))
-            return pupil_refuse(why, "--%s: is of the default law; --formula 1 to 4 have --weight instead",
+            return pupil_refuse(why, "--%s: belongs to the default law; --formula 1 to 4 have --weight instead",
                                 of_seconds[i]);
     if (o->hold > 1 && (o->start_s > 0.0 || o->duration_s > 0.0))
         return pupil_refuse(why,

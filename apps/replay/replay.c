@@ -122,7 +122,7 @@ static int check_obeyed(replay *r)
                             "--size: the frames of %s have a size of their own; docs/guide.md scales them by ffmpeg",
                             input);
     if (asked->seed && !(obeys & PUPIL_SOURCE_SEED))
-        return pupil_refuse(&r->session.why, "--seed: is of the path of pan:PANORAMA; %s has none", input);
+        return pupil_refuse(&r->session.why, "--seed: sets the path of pan:PANORAMA; %s has none", input);
     return 0;
 }
 

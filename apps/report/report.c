@@ -60,7 +60,7 @@ static int make_folder(pupil_report *r, pupil_why *why)
         return 0;
     if (error == ENOENT)
         return pupil_refuse(why, "%s: the folder that it is to be in is not there; make it first", r->folder);
-    return pupil_refuse(why, "%s: is no folder that a report can be put in: %s", r->folder,
+    return pupil_refuse(why, "%s: is not a folder that a report can be put in: %s", r->folder,
                         strerror(error == EEXIST ? ENOTDIR : error));
 }
 

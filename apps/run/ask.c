@@ -136,7 +136,7 @@ static int check(const run_ask *a, const run_options *o, const char *name, pupil
     const int is_day_night = strcmp(name, "day-night") == 0 && o->day_night_s > 0.0;
     const int is_limit = is_day_night || strcmp(name, "gain-max") == 0 || strcmp(name, "shutter-max") == 0;
     if (strncmp(name, "tau-", 4) == 0 && o->shown.config.law != PUPIL_LAW_SECONDS)
-        return pupil_refuse(why, "%s: is of the default law", name);
+        return pupil_refuse(why, "%s: belongs to the default law", name);
     if (is_limit && !(a->gain_min > 0.0))
         return pupil_refuse(why, "%s: nothing of this camera is controlled", name);
     if ((o->gain_max > 0.0 && o->gain_max < a->gain_min) ||

@@ -24,8 +24,9 @@ static int connect_to(const char *name, pupil_why *why)
     struct sockaddr_un at = {.sun_family = AF_UNIX};
     const size_t bytes = strlen(name);
     if ((*name != '/' && *name != '@') || bytes >= sizeof at.sun_path) {
-        pupil_refuse(why, "NOTIFY_SOCKET=%s: is no path and no @name of up to %zu characters; nobody is notified", name,
-                     sizeof at.sun_path - 1);
+        pupil_refuse(why,
+                     "NOTIFY_SOCKET=%s: is neither a path nor an @name of up to %zu characters; nobody is notified",
+                     name, sizeof at.sun_path - 1);
         return -1;
     }
     memcpy(at.sun_path, name, bytes);

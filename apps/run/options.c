@@ -297,7 +297,7 @@ static int check_flicker(const run_options *r, pupil_why *why)
         return pupil_refuse(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and "
                                  "both; digital leaves the camera as it is");
     if (r->readout_s > 0.0 && !r->row_gains)
-        return pupil_refuse(why, "--readout: is of --row-gains");
+        return pupil_refuse(why, "--readout: needs --row-gains");
     if (r->row_gains && (o->gles || o->gles_version))
         return pupil_refuse(why, "--row-gains: is the CPU's work; not with --gles and --gles-version");
     if (r->row_gains && o->config.order == PUPIL_ORDER_FUSED)
@@ -311,10 +311,10 @@ static int check_flicker(const run_options *r, pupil_why *why)
 static int check_limits(const run_options *r, pupil_why *why)
 {
     if (r->mode == RUN_DIGITAL && (r->exposure_max_s > 0.0 || r->gain_max > 0.0))
-        return pupil_refuse(why, "--shutter-max and --gain-max: are of --mode sensor and both; digital leaves the "
+        return pupil_refuse(why, "--shutter-max and --gain-max: need --mode sensor or both; digital leaves the "
                                  "camera as it is");
     if (r->mode == RUN_DIGITAL && r->day_night_s > 0.0)
-        return pupil_refuse(why, "--day-night: is of --mode sensor and both; digital does not see the light of the "
+        return pupil_refuse(why, "--day-night: needs --mode sensor or both; digital does not see the light of the "
                                  "scene");
     if (r->exposure_s > 0.0 && r->exposure_max_s > 0.0)
         return pupil_refuse(why, "--shutter and --shutter-max: one of them");
@@ -328,12 +328,13 @@ static int check_control(const run_options *r, pupil_why *why)
 {
     const int manual = (r->exposure_s > 0.0) + (r->gain > 0.0);
     if (r->resume && (r->mode == RUN_DIGITAL || manual == 2))
-        return pupil_refuse(why, "--resume: is of what is steered, which nothing is with --mode digital, or with "
-                                 "both --shutter and --gain");
+        return pupil_refuse(
+            why, "--resume: needs an exposure that pupil controls; nothing is controlled with --mode digital, or with "
+                 "both --shutter and --gain");
     if (r->resume && r->begins_cold)
         return pupil_refuse(why, "--resume and --no-resume: one of them");
     if (r->mode == RUN_DIGITAL && (r->curve || (r->live.delay && !manual)))
-        return pupil_refuse(why, "--curve and (without --shutter and --gain) --control-delay: are of --mode sensor and "
+        return pupil_refuse(why, "--curve and (without --shutter and --gain) --control-delay: need --mode sensor or "
                                  "both; digital controls nothing");
     return OPTIONS_RUN;
 }
@@ -350,10 +351,10 @@ int run_options_parse(run_options *r, int argc, char **argv, pupil_why *why)
                             options_given(&run_command, &words, "key"), why))
         return OPTIONS_USAGE;
     if (r->mode == RUN_SENSOR && r->shown.config.order == PUPIL_ORDER_FUSED)
-        return pupil_refuse(why, "--fused: is of --mode digital and both; the picture of sensor is the camera's");
+        return pupil_refuse(why, "--fused: needs --mode digital or both; in sensor mode the picture is the camera's");
     if (check_flicker(r, why) || check_limits(r, why))
         return OPTIONS_USAGE;
     if (r->camera_evs && r->devices < 2)
-        return pupil_refuse(why, "--camera-ev: is of several cameras: --device A --device B");
+        return pupil_refuse(why, "--camera-ev: needs several cameras: --device A --device B");
     return check_control(r, why) || (r->devices > 1 && run_several_check(r, why)) ? OPTIONS_USAGE : OPTIONS_RUN;
 }

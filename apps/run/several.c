@@ -89,9 +89,9 @@ int run_several_check(const run_options *o, pupil_why *why)
     if (o->mode == RUN_DIGITAL)
         return pupil_refuse(why, "--device: several cameras share their exposure, which --mode digital does not touch");
     if (o->exposure_s > 0.0 || o->gain > 0.0)
-        return pupil_refuse(why, "--shutter and --gain: are of one camera; several share an exposure");
+        return pupil_refuse(why, "--shutter and --gain: work with one camera only; several share an exposure");
     if (shown->config.order == PUPIL_ORDER_FUSED)
-        return pupil_refuse(why, "--fused: is of one camera; several share a curve");
+        return pupil_refuse(why, "--fused: works with one camera only; several share a curve");
     if (o->camera_evs && o->camera_evs != o->devices - 1)
         return pupil_refuse(why, "--camera-ev: has to have a number for each camera but the first: %u", o->devices - 1);
     for (uint32_t i = 0; i < o->devices; i++)
@@ -100,7 +100,8 @@ int run_several_check(const run_options *o, pupil_why *why)
                 return pupil_refuse(why, "--device %s: is the same camera as --device %s; name each camera once",
                                     o->device_name[i], o->device_name[k]);
     if (o->control && strstr(o->control, PLACE))
-        return pupil_refuse(why, "--control %s: is of the first camera alone; %s is of the outputs", o->control, PLACE);
+        return pupil_refuse(why, "--control %s: belongs to the first camera only; %s is for outputs", o->control,
+                            PLACE);
     for (size_t i = 0; i < shown->out_count; i++)
         if (check_path(shown->out[i], why))
             return OPTIONS_USAGE;

@@ -54,10 +54,10 @@ static int check_part(const split_file *first, const split_file *part, uint64_t 
 {
     const split_header *h = &part->header, *of = &first->header;
     if (h->input_names != of->input_names || h->input_count != of->input_count || h->fps != of->fps)
-        return pupil_refuse(why,
-                            "%s: is of another input (%s, inputs: %llu, %.6g frames a second) than %s (%s, %llu, %.6g)",
-                            part->path, h->input, (unsigned long long)h->input_count, h->fps, first->path, of->input,
-                            (unsigned long long)of->input_count, of->fps);
+        return pupil_refuse(
+            why, "%s: belongs to another input (%s, inputs: %llu, %.6g frames a second) than %s (%s, %llu, %.6g)",
+            part->path, h->input, (unsigned long long)h->input_count, h->fps, first->path, of->input,
+            (unsigned long long)of->input_count, of->fps);
     if (h->input_bytes != of->input_bytes)
         return pupil_refuse(why, "%s: %s had %llu bytes when it was made, and %llu when %s was: it has changed",
                             part->path, h->input, (unsigned long long)h->input_bytes,

@@ -193,7 +193,7 @@ int split_file_open(split_file *f, const char *path, const char *kind, pupil_why
     if (!f->stream)
         return -1;
     if (fread(h, sizeof *h, 1, f->stream) != 1 || memcmp(h->kind, "pupil ", 6) != 0)
-        return pupil_refuse(why, "%s: is no file of pupil meter or pupil adapt", path);
+        return pupil_refuse(why, "%s: is not a file of pupil meter or pupil adapt", path);
     const int is_whole = digest_of(h) == h->own_digest;
     h->kind[sizeof h->kind - 1] = h->version[sizeof h->version - 1] = h->input[sizeof h->input - 1] = 0;
     if (h->byte_order != ORDER || h->own_bytes != sizeof *h || strcmp(h->version, pupil_version()) != 0)

@@ -133,7 +133,7 @@ int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why 
     *egl = NULL;
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
         options->version != PUPIL_GLES_ES31)
-        return pupil_refuse(why, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
+        return pupil_refuse(why, "version %u is not a pupil_gles_version; give 0, 30 or 31", options->version);
     pupil_egl *opened = calloc(1, sizeof *opened);
     if (!opened)
         return pupil_refuse(why, "out of memory");

@@ -46,7 +46,7 @@ static int count_frames(const raw_source *r, const char *path, const struct stat
 {
     const pupil_raw_layout *l = &r->layout;
     if (!S_ISREG(is->st_mode))
-        return pupil_refuse(why, "%s: is no regular file; a file of raw frames is needed here", path);
+        return pupil_refuse(why, "%s: is not a regular file; a file of raw frames is needed here", path);
     const uint64_t size = (uint64_t)is->st_size, content = size < l->skip_bytes ? 0 : size - l->skip_bytes;
     *frames = content / r->frame_bytes;
     *is_cut = content % r->frame_bytes != 0;

@@ -45,7 +45,8 @@ static int identify(pupil_v4l2_device *d, pupil_why *why)
     if (pupil_v4l2_ask(d, VIDIOC_QUERYCAP, &capability) != 0) {
         if (errno != ENOTTY && errno != EINVAL)
             return pupil_v4l2_failed(d, "cannot be asked what it is", errno, why);
-        return pupil_refuse(why, "%s: is no video device; a camera is /dev/video0 or its like ('pupil list')", d->path);
+        return pupil_refuse(why, "%s: is not a video device; a camera is /dev/video0 or its like ('pupil list')",
+                            d->path);
     }
     copy_text(d->name, sizeof d->name, capability.card, sizeof capability.card);
     copy_text(d->driver, sizeof d->driver, capability.driver, sizeof capability.driver);

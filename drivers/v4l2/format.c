@@ -370,7 +370,7 @@ int pupil_v4l2_format_read(const struct v4l2_format *answer, pupil_v4l2_format *
                                                                          : take_single(&answer->fmt.pix, &f);
     const native *n = find(f.fourcc);
     if (!n)
-        return pupil_refuse(why, "its format %s is not read; what is: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
+        return pupil_refuse(why, "its format %s is not supported; supported: %s", pupil_v4l2_fourcc_name(f.fourcc).text,
                             pupil_v4l2_natives);
     if (f.buffers != n->buffers)
         return pupil_refuse(why, "its driver keeps %s in %u memory areas; it has %u",

@@ -126,7 +126,7 @@ int pupil_window_open(pupil_window **window, const pupil_window_options *options
                             PUPIL_MAX_SIDE_PX);
     if (options->version != PUPIL_GLES_BEST && options->version != PUPIL_GLES_ES30 &&
         options->version != PUPIL_GLES_ES31)
-        return pupil_refuse(why, "version %u is no pupil_gles_version; give 0, 30 or 31", options->version);
+        return pupil_refuse(why, "version %u is not a pupil_gles_version; give 0, 30 or 31", options->version);
     if (open_video(why) != 0)
         return -1;
     pupil_window *opened = calloc(1, sizeof *opened);

@@ -116,7 +116,7 @@ static int check_formats(const bench_options *o)
                    -1;
     }
     if (o->out->step == 2 && !mosaics)
-        return fprintf(stderr, "pupil bench: --out half: %s is no mosaic (bayer8 or the like)\n", o->format), -1;
+        return fprintf(stderr, "pupil bench: --out half: %s is not a mosaic (bayer8 or the like)\n", o->format), -1;
     return 0;
 }
 

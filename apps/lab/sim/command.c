@@ -159,7 +159,7 @@ static int check_together(const sim_options *o, pupil_why *why)
         return pupil_refuse(why, "--random %llu: --stats and --plot are of one run, --random 1",
                             (unsigned long long)o->plants);
     if (o->key_at && o->loop.law->total)
-        return pupil_refuse(why, "--key-at: is of --controller pupil; the published laws have one key");
+        return pupil_refuse(why, "--key-at: needs --controller pupil; the published laws have one key");
     return 0;
 }
 

@@ -188,7 +188,7 @@ static int begin_folder(study *s)
     s->made_folder = mkdir(out, 0777) == 0;
     int error = errno;
     if (!s->made_folder && (error != EEXIST || stat(out, &is) != 0 || !S_ISDIR(is.st_mode)))
-        return pupil_refuse(&s->why, "%s: is no folder that the study can be put in: %s", out,
+        return pupil_refuse(&s->why, "%s: is not a folder that the study can be put in: %s", out,
                             strerror(error == EEXIST ? ENOTDIR : error));
     return pupil_plot_check(within(s, "level-case1.svg"), 1, &s->why) || check_kept(s);
 }

@@ -56,7 +56,7 @@ int study_csv_read(study_cells *cells, const char *path, pupil_why *why)
         if (!place(line, at, &value) || *(cell = &cells->frame[at[0]][at[1]][at[2]][at[3]])) {
             fclose(f);
             return pupil_refuse(why,
-                                "%s: line %u is no cell of the tables, or one that was there already; lines are %s",
+                                "%s: line %u is not a cell of the tables, or one that was there already; lines are %s",
                                 path, number, HEAD);
         }
         *cell = (uint16_t)value;

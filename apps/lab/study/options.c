@@ -89,7 +89,9 @@ static int take_look(study_options *o, option_words *words, pupil_why *why)
 {
     o->look = words->count && strcmp(words->word[0], "look") == 0;
     if (!o->look)
-        return options_given(&study_command, words, "eye") ? pupil_refuse(why, "--eye: is of pupil study look") : 0;
+        return options_given(&study_command, words, "eye")
+                   ? pupil_refuse(why, "--eye: works only with pupil study look")
+                   : 0;
     words->word++;
     words->count--;
     if (!o->width)

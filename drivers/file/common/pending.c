@@ -61,7 +61,8 @@ static int may_replace(const char *path, const char *shown, int overwrite, pupil
             why, "%s: is there already and not empty; name another folder, or overwrite it (-y, --overwrite)", shown);
     if (other[0])
         return pupil_refuse(
-            why, "%s: is not overwritten, for it holds %s, which is no frame_NNNNNN.png or .exr; name another folder",
+            why,
+            "%s: is not overwritten, for it holds %s, which is not a frame_NNNNNN.png or .exr; name another folder",
             shown, other);
     return 0;
 }

@@ -18,7 +18,7 @@ FILE *pupil_regular_open(const char *path, pupil_why *why)
     if (file)
         return file;
     if (is_other)
-        pupil_refuse(why, "%s: is no regular file", path);
+        pupil_refuse(why, "%s: is not a regular file", path);
     else
         pupil_refuse(why, "%s: cannot be read: %s", path, strerror(error ? error : errno));
     error = is_other ? EINVAL : error ? error : errno;

@@ -37,11 +37,11 @@ static int look_through(const char *path, int overwrite, pupil_why *why)
     struct dirent *entry;
     int failed = 0;
     if (!folder)
-        return pupil_refuse(why, "%s: is no folder that can be used: %s", path, strerror(errno));
+        return pupil_refuse(why, "%s: is not a folder that can be used: %s", path, strerror(errno));
     while (!failed && (entry = folder_next(folder)) != NULL) {
         if (!is_ours(entry->d_name))
             failed = pupil_refuse(why,
-                                  "%s: is not used, for it holds %s, which is no part of a recording; name another "
+                                  "%s: is not used, for it holds %s, which is not part of a recording; name another "
                                   "folder",
                                   path, entry->d_name);
         else if (!overwrite)

@@ -242,7 +242,7 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     if (stat(path, &status))
         return pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     if (!S_ISREG(status.st_mode))
-        return pupil_refuse(why, "%s: is no file", path);
+        return pupil_refuse(why, "%s: is not a file", path);
     if (!status.st_size)
         return 0;
     if (pupil_video_io_open(&r->io, path, &words))

@@ -240,7 +240,7 @@ int pupil_recording_about_read(const char *folder, pupil_recording_about *about,
     if (!text || ferror(file))
         failed = pupil_refuse(why, "%s: cannot be read: %s", path, strerror(errno));
     else if (length == ABOUT_MOST_BYTES || strlen(text) != length)
-        failed = pupil_refuse(why, "%s: that is no recording.json: too long, or no text", path);
+        failed = pupil_refuse(why, "%s: that is not a recording.json: too long, or no text", path);
     else
         failed = parse(path, text, about, why);
     fclose(file);

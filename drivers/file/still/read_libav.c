@@ -69,7 +69,7 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     if (check_tiff(bytes, size, why))
         return -1;
     if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)pupil_still_most(still), &options, &source, &words))
-        return pupil_refuse(why, "is no OpenEXR, Radiance, PFM or PNG file, by its first bytes, and for libav %s",
+        return pupil_refuse(why, "is not an OpenEXR, Radiance, PFM or PNG file, by its first bytes, and for libav %s",
                             strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);
     int failed = pupil_source_next(source, &frame, &words) != PUPIL_SOURCE_FRAME;
     if (failed)

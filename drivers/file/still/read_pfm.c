@@ -48,16 +48,16 @@ static int read_header(pfm *p, const uint8_t *bytes, size_t size, pupil_why *why
         return pupil_still_fail(why, "the PFM header must begin with a line PF, Pf or PF4");
     p->channels = text[1] == 'f' ? 1 : text[2] == '4' ? 4 : 3;
     if (!word(bytes, size, &at, text) || !side(text, &p->width))
-        return pupil_still_fail(why, "the PFM header's width \"%s\" is no whole number of pixels", text);
+        return pupil_still_fail(why, "the PFM header's width \"%s\" is not a whole number of pixels", text);
     if (!word(bytes, size, &at, text) || !side(text, &p->height))
-        return pupil_still_fail(why, "the PFM header's height \"%s\" is no whole number of pixels", text);
+        return pupil_still_fail(why, "the PFM header's height \"%s\" is not a whole number of pixels", text);
     if (pupil_still_size_ok(p->width, p->height, why))
         return -1;
     if (!word(bytes, size, &at, text))
         return pupil_still_fail(why, "the PFM header ends before its scale");
     scale = pupil_parse_double(text, &end);
     if (end == text || *end || !isfinite(scale) || scale == 0)
-        return pupil_still_fail(why, "the PFM header's scale \"%s\" is no number above or below 0 (-1.0 is usual)",
+        return pupil_still_fail(why, "the PFM header's scale \"%s\" is not a number above or below 0 (-1.0 is usual)",
                                 text);
     p->big_endian = scale > 0;
     p->start = at + 1;

@@ -85,7 +85,7 @@ static int decode(found *f, const pupil_still *still, uint64_t most, const uint8
     const int code = libraw_open_buffer(raw, (void *)(uintptr_t)bytes, size); /* which it only reads */
     const libraw_image_sizes_t *sizes = &raw->sizes;
     if (code == LIBRAW_FILE_UNSUPPORTED)
-        failed = -pupil_still_fail(&f->why, "is no raw file that LibRaw knows"); /* PUPIL_STILL_NOT_RAW */
+        failed = -pupil_still_fail(&f->why, "is not a raw file that LibRaw knows"); /* PUPIL_STILL_NOT_RAW */
     else if (code != LIBRAW_SUCCESS)
         failed = fail(code, &f->why);
     else if (pupil_still_size_ok(sizes->raw_width, sizes->raw_height, &f->why))

@@ -57,7 +57,7 @@ static int read_file(pupil_still *still, const char *path, size_t *size, pupil_w
     else if (S_ISDIR(status.st_mode))
         result = pupil_still_fail(why, "is a folder; an image file is needed here");
     else if (!S_ISREG(status.st_mode))
-        result = pupil_still_fail(why, "is no regular file; an image file is needed here");
+        result = pupil_still_fail(why, "is not a regular file; an image file is needed here");
     else if (status.st_size == 0)
         result = pupil_still_fail(why, "the file is empty");
     else if (status.st_size > MAX_FILE_BYTES)

@@ -19,5 +19,6 @@ int pupil_read_png(pupil_still *still, const uint8_t *bytes, size_t size, pupil_
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     (void)still, (void)bytes, (void)size;
-    return pupil_refuse(why, "is no Radiance or PFM file, which are what this build of pupil reads (PUPIL_MEDIA=OFF)");
+    return pupil_refuse(
+        why, "is not a Radiance or PFM file, the only ones that this build of pupil reads (PUPIL_MEDIA=OFF)");
 }

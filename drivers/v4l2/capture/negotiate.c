@@ -42,15 +42,15 @@ static uint32_t choose(const pupil_v4l2_capture *c, const struct v4l2_format *se
     char names[400];
     const uint32_t asked = c->options.fourcc;
     if (asked && !pupil_v4l2_is_read(asked)) {
-        pupil_refuse(why, "%s: format %s is not read; what is: %s", c->device.path, pupil_v4l2_fourcc_name(asked).text,
-                     pupil_v4l2_natives);
+        pupil_refuse(why, "%s: format %s is not supported; supported: %s", c->device.path,
+                     pupil_v4l2_fourcc_name(asked).text, pupil_v4l2_natives);
         return 0;
     }
     if (asked || pupil_v4l2_pixel_of(fourcc_of(set)))
         return asked ? asked : fourcc_of(set);
     const uint32_t first = look_over(&c->device, 1, names, sizeof names);
     if (!first)
-        pupil_refuse(why, "%s: %s offers %s, which is not read; what is: %s", c->device.path, c->device.name,
+        pupil_refuse(why, "%s: %s offers %s, which is not supported; supported: %s", c->device.path, c->device.name,
                      *names ? names : "no format", pupil_v4l2_natives);
     return first;
 }

@@ -133,7 +133,8 @@ int pupil_v4l2_output_read(const struct v4l2_format *answer, pupil_v4l2_output *
     const int multi = answer->type == V4L2_BUF_TYPE_VIDEO_OUTPUT_MPLANE;
     const colour c = multi ? take_multi(&answer->fmt.pix_mp, &o) : take_single(&answer->fmt.pix, &o);
     if (!pupil_v4l2_is_written(o.fourcc) || (multi && answer->fmt.pix_mp.num_planes != 1))
-        return pupil_refuse(why, "it takes %s%s; what can be written: %s", pupil_v4l2_fourcc_name(o.fourcc).text,
+        return pupil_refuse(why, "it takes %s%s; formats that can be written: %s",
+                            pupil_v4l2_fourcc_name(o.fourcc).text,
                             pupil_v4l2_is_written(o.fourcc) ? " in several memory areas" : "", pupil_v4l2_written);
     o.pixel = pupil_v4l2_pixel_of(o.fourcc);
     if (!o.width || !o.height || o.width > PUPIL_MAX_SIDE_PX || o.height > PUPIL_MAX_SIDE_PX)

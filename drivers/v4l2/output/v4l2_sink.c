@@ -83,7 +83,7 @@ static int identify(v4l2_sink *s, pupil_why *why)
     if (pupil_v4l2_ask(&s->device, VIDIOC_QUERYCAP, &c) != 0) {
         if (errno != ENOTTY && errno != EINVAL)
             return failed(s, "cannot be asked what it is", errno, why);
-        return pupil_refuse(why, "%s: is no video device; an output is /dev/video0 or its like", s->device.path);
+        return pupil_refuse(why, "%s: is not a video device; an output is /dev/video0 or its like", s->device.path);
     }
     snprintf(s->device.name, sizeof s->device.name, "%.31s", (const char *)c.card);
     for (char *p = s->device.name; *p; p++)
@@ -91,7 +91,7 @@ static int identify(v4l2_sink *s, pupil_why *why)
             *p = '?';
     s->device.capabilities = c.capabilities & V4L2_CAP_DEVICE_CAPS ? c.device_caps : c.capabilities;
     if (!(s->device.capabilities & output))
-        return pupil_refuse(why, "%s: %s is no video output; a display's node is needed, or one of v4l2loopback",
+        return pupil_refuse(why, "%s: %s is not a video output; a display's node is needed, or one of v4l2loopback",
                             s->device.path, s->device.name);
     if (!(s->device.capabilities & (V4L2_CAP_STREAMING | V4L2_CAP_READWRITE)))
         return pupil_refuse(why, "%s: %s takes no frames; a driver is needed that streams or has write()",

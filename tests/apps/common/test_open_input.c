@@ -17,7 +17,7 @@ static void check_refused(const char *input, const char *other, const char *sent
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
-    check_refused("v4l2:/dev/null", NULL, "/dev/null: is no video device; a camera is /dev/video0 or its like");
+    check_refused("v4l2:/dev/null", NULL, "/dev/null: is not a video device; a camera is /dev/video0 or its like");
     check_refused("v4l2:99999", NULL, "99999: the number of a video node is 255 at most");
     check_refused("v4l2:", NULL, "no camera was named");
     check_refused("/dev/video-none", NULL, "/dev/video-none: is not there; 'pupil list' shows the cameras that are");

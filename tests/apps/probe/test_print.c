@@ -7,7 +7,7 @@
 static double number_at(const cJSON *object, const char *name)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    CHECK_MSG(cJSON_IsNumber(item), "%s is no number", name);
+    CHECK_MSG(cJSON_IsNumber(item), "%s is not a number", name);
     return cJSON_IsNumber(item) ? item->valuedouble : -1e300;
 }
 

@@ -37,10 +37,10 @@ fi
 expect 1 "--fps: the frames of clip.mkv have times of their own (25 frames a second)" replay clip.mkv --fps 30
 expect 1 "--size: the frames of clip.mkv have a size of their own" replay clip.mkv --size 10x10
 expect 1 "--size: the frames of still have a size of their own" replay still --size 10x10
-expect 1 "--seed: is of the path of pan:" replay still --seed 3
+expect 1 "--seed: sets the path of pan:" replay still --seed 3
 expect 0 "" replay still -q --fps 5 --stats still.csv
 [ "$(column time_s still.csv | tail -n 1)" = 0.20000000000000001 ] || fail "--fps of stills: $(column time_s still.csv)"
-expect 2 "--tau-dark: is of the default law" replay still --law 2 --tau-dark 1
+expect 2 "--tau-dark: belongs to the default law" replay still --law 2 --tau-dark 1
 expect 2 "--weight: is how much each new frame counts" replay still --weight 0.1
 
 # two names of one thing

@@ -66,7 +66,7 @@ done <<END
 --compare "--help": must be two settings||--help|
 --compare: makes pictures and videos; --stats is of one setting||--key 0.3|--stats s.csv
 --compare: makes pictures and videos; --explain is||--key 0.3|--explain 3
---tau-dark: is of the default law||--law 1 --tau-dark 3|
+--tau-dark: belongs to the default law||--law 1 --tau-dark 3|
 --key and --key-at: one of them||--key 0.2 --key-at 0:0.1|
 END
 expect 2 "a setting of over 1023 characters" $walk -o none.mp4 --compare "" "$(printf '%01024d' 0)"

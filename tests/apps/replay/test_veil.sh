@@ -15,10 +15,10 @@ expect 2 "--veil eye:old: the age must be from 1 to 120 years" $walk --veil eye:
 expect 2 "--veil eye:: the age" $walk --veil eye:
 expect 2 "--veil" $walk --veil ""
 expect 2 "--fov 151: must be degrees, from 0.1 to 150" $walk --veil eye --fov 151
-expect 2 "--fov: is of --veil" $walk --fov 50
+expect 2 "--fov: needs --veil" $walk --fov 50
 expect 2 "--veil and --fused" $walk --veil eye --fused
-expect 2 "--bloom: is of --veil" $walk --bloom
-expect 2 "--bloom-above: is of --bloom" $walk --veil eye --bloom-above 1
+expect 2 "--bloom: needs --veil" $walk --bloom
+expect 2 "--bloom-above: needs --bloom" $walk --veil eye --bloom-above 1
 expect 2 "--bloom-above -1: must be light in the frames' unit, from 0 to" $walk --veil eye --bloom --bloom-above -1
 expect 2 "--bloom and --gles: one of them" $walk --veil eye --bloom --gles
 : >none

@@ -90,8 +90,8 @@ says 'status takes nothing' status now
 "$pupil" ctl run.sock --help | grep -q "lock on|off" || fail "ctl PATH --help"
 "$pupil" ctl "" status 2>ctl.err && fail "a socket without a name"
 grep -q "name the socket of a run" ctl.err || fail "a socket without a name: $(cat ctl.err)"
-"$pupil" ctl . status 2>ctl.err && fail "a folder is no socket"
-grep -qF ".: is no socket" ctl.err || fail "a folder: $(cat ctl.err)"
+"$pupil" ctl . status 2>ctl.err && fail "a folder is not a socket"
+grep -qF ".: is not a socket" ctl.err || fail "a folder: $(cat ctl.err)"
 
 # another run does not take the socket, and the first one keeps it
 call 2 "one of them" --shutter 10ms --shutter-max 10ms

@@ -30,7 +30,7 @@ call 0 "" fake:flat=600 --mode sensor -n 5 --stats without.csv -q
 for wrong in 1 1,2 1,2,0 2,1,5 -65,1,5 1,2,x 1,2,3,4 nan,1,5; do
     call 2 "--day-night $wrong: must be two EV of scene light from -64 to 64" --day-night=$wrong
 done
-call 2 "--day-night: is of --mode sensor and both" --day-night 1,2,3 --mode digital
+call 2 "--day-night: needs --mode sensor or both" --day-night 1,2,3 --mode digital
 call 1 "--day-night: " fake:no-controls --day-night 1,2,3 -n 1
 
 end_test

@@ -113,8 +113,8 @@ run 1 "folder: is a folder" --resume folder -o out.y4m
 run 1 "/dev/null: is a device" --resume /dev/null -o out.y4m
 run 2 "--resume -: must be a file" --resume - -o out.y4m
 run 2 "kept: named for two outputs" --resume kept --stats kept -o out.y4m
-run 2 "--resume: is of what is steered" --resume kept --mode digital -o out.y4m
-run 2 "--resume: is of what is steered" --resume kept --shutter 10ms --gain 2 -o out.y4m
+run 2 "--resume: needs an exposure that pupil controls" --resume kept --mode digital -o out.y4m
+run 2 "--resume: needs an exposure that pupil controls" --resume kept --shutter 10ms --gain 2 -o out.y4m
 run 1 "--resume: " fake:no-controls --resume kept -o out.y4m
 [ ! -e out.y4m ] || fail "an output of a run that was refused"
 [ "$(wc -l <kept)" = 2 ] || fail "a run that was refused changes what is kept: $(cat kept)"

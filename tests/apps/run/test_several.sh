@@ -117,7 +117,7 @@ both="-d 0 -d /dev/video9"
     call 2 "p.y4m: each of several cameras has its own; %i in the name" $both -o p.y4m
     call 2 "-: each of several cameras has its own" $both --stats -
     call 2 "/dev/video9: is the same camera as --device /dev/video9" $both -d /dev/video9
-    call 2 "--control c%i: is of the first camera alone" $both --control c%i
+    call 2 "--control c%i: belongs to the first camera only" $both --control c%i
     call 2 "e0.csv: named for two outputs" $both --control e0.csv --stats e%i.csv
     echo mine >there1.csv # of the second camera
     call 2 "there1.csv" $both --stats there%i.csv -o there%i.y4m -n 2
@@ -127,10 +127,10 @@ both="-d 0 -d /dev/video9"
     [ -s n0-0.csv ] && [ -s n1-1.csv ] || fail "two places in a name"
     call 2 "--camera-ev: has to have a number for each camera but the first: 1" $both --camera-ev 1,2
     call 2 "--camera-ev 17: must be stops from -16 to 16" $both --camera-ev 17
-    call 2 "--camera-ev: is of several cameras" -d 0 --camera-ev 1
+    call 2 "--camera-ev: needs several cameras" -d 0 --camera-ev 1
     call 2 "--mode digital does not touch" $both --mode digital
-    call 2 "--shutter and --gain: are of one camera" $both --gain 2
-    call 2 "--fused: is of one camera" $both --fused
+    call 2 "--shutter and --gain: work with one camera only" $both --gain 2
+    call 2 "--fused: works with one camera only" $both --fused
     call 2 "at most 8 cameras" $both $both $both $both $both
 }
 

@@ -122,7 +122,7 @@ expect 1 "frames 15 to 29 are missing" adapt a.part c.part -o x -q
 expect 1 "frames from 30 on are missing" adapt b.part a.part -o x -q
 expect 1 "begins at frame 15, which another part has, too" adapt a.part b.part b.part c.part -o x -q
 call 0 "" meter again.y4m --range 15..30 -o foreign.part -q
-expect 1 "foreign.part: is of another input (again.y4m" adapt a.part foreign.part c.part -o x -q
+expect 1 "foreign.part: belongs to another input (again.y4m" adapt a.part foreign.part c.part -o x -q
 call 0 "" meter clip.mkv --range 15..30 --metering spot -o spot.part -q
 expect 1 "spot.part: was metered with other settings than a.part" adapt a.part spot.part c.part -o x -q
 expect 1 "metering cannot be changed here" adapt a.part b.part c.part --metering spot -o x -q
@@ -130,7 +130,7 @@ expect 1 "curves: has the curves of pupil adapt, where" adapt curves -o x -q
 expect 1 "a.part: has the statistics of pupil meter, where" map clip.mkv --curves a.part -o x.mkv -q
 expect 1 "curves: has the curves of clip.mkv" map again.y4m --curves curves -o x.mkv -q
 expect 1 "has no frame in --range: it ends at 45" map clip.mkv --curves curves --range 45.. -o x.mkv -q
-expect 1 "clip.mkv: is no file of pupil meter" adapt clip.mkv -o x -q
+expect 1 "clip.mkv: is not a file of pupil meter" adapt clip.mkv -o x -q
 head -c 9000 b.part >short.part
 expect 1 "short.part: is damaged" adapt a.part short.part c.part -o x -q
 python3 -c 'b = bytearray(open("b.part", "rb").read()); b[-200] ^= 4; open("flipped.part", "wb").write(b)'
@@ -169,8 +169,8 @@ expect 2 "x.jsonl: named for two outputs" adapt a.part b.part c.part -o x.jsonl 
 expect 2 "files, not standard output" meter clip.mkv -o - -q
 mkfifo pipe
 expect 2 "pipe: a pipe cannot be read in parts" meter pipe -o x -q
-expect 1 "pipe: is no regular file" adapt pipe -o x -q
-expect 1 "pipe: is no regular file" map clip.mkv --curves pipe -o x.mkv -q
+expect 1 "pipe: is not a regular file" adapt pipe -o x -q
+expect 1 "pipe: is not a regular file" map clip.mkv --curves pipe -o x.mkv -q
 cmp -s own.mkv clip.mkv || fail "the input was changed"
 expect 2 "A..B, frames from A on" meter clip.mkv --range 7..3 -o x -q
 expect 2 "-: standard input cannot be read in parts" meter - -o x -q

@@ -88,7 +88,7 @@ static void test_refusals(void)
         {0, 32, NULL, "4.6 of another kind", NULL, "the driver has OpenGL ES 0.0; 3.0 is needed"},
         {0, 32, NULL, NULL, "glGetString", "EGL_KHR_get_all_proc_addresses"},
         {0, 32, "EGL_KHR_surfaceless", NULL, NULL, "it lacks EGL_KHR_surfaceless_context"},
-        {31 + 1, 32, NULL, NULL, NULL, "version 32 is no pupil_gles_version"},
+        {31 + 1, 32, NULL, NULL, NULL, "version 32 is not a pupil_gles_version"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fake_egl_begin();

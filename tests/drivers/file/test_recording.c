@@ -163,7 +163,7 @@ static void test_refused(void)
     char path[1100];
     check_refused(&frames, "", "a recording needs a name");
     check_refused(&frames, scratch("none/inside"), "make it first");
-    check_refused(&frames, "/dev/null", "/dev/null: is no folder that can be used");
+    check_refused(&frames, "/dev/null", "/dev/null: is not a folder that can be used");
     mkdir(folder, 0777);
     CHECK(frames_record(&frames, folder, &waiting, &why) == 2); /* an empty one is used */
     check_refused(&frames, folder, "is a recording already; name another folder, or overwrite it");
@@ -172,7 +172,7 @@ static void test_refused(void)
     pupil_recorder_options over = waiting;
     over.overwrite = 1;
     CHECK(frames_record(&frames, folder, &over, &why) == -1);
-    CHECK_MSG(strstr(why.text, "holds notes, which is no part of a recording"), "%s", why.text);
+    CHECK_MSG(strstr(why.text, "holds notes, which is not part of a recording"), "%s", why.text);
     CHECK(frames_replay(&frames, folder, &why) == 2 && scratch_holds(path, "mine"));
     remove(path);
     CHECK(frames_record(&frames, folder, &over, &why) == 2 && frames_replay(&frames, folder, &why) == 2);

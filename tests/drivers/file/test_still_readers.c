@@ -224,9 +224,9 @@ static void test_load(void)
     write_file(path, "", 0);
     CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "picture.hdr: the file is empty"));
     write_file(path, "GIF89a", 6);
-    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is no OpenEXR, Radiance, PFM"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is not an OpenEXR, Radiance, PFM"));
     write_file(path, "P", 1);
-    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is no OpenEXR, Radiance, PFM"));
+    CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "is not an OpenEXR, Radiance, PFM"));
     write_file(path, "PF\n40000 40000\n-1\n", 18);
     CHECK(pupil_still_load(&still, path, &said) == -1 && strncmp(said.text, path, strlen(path)) == 0 &&
           strstr(said.text, ".hdr: the header promises 40000 x 40000 pixels; at most 16384 a side are read"));

@@ -47,7 +47,7 @@ static void test_list(void)
     CHECK(fake_v4l2_holds(fake).files == 0);
     fake_v4l2_free(fake);
     CHECK(pupil_live_open("/dev/null", NULL, NULL, &source, &why) == PUPIL_SOURCE_FAILED && !source);
-    CHECK_MSG(strstr(why.text, "/dev/null: is no video device"), "%s", why.text);
+    CHECK_MSG(strstr(why.text, "/dev/null: is not a video device"), "%s", why.text);
 }
 
 static pupil_source *open_fake(fake_v4l2 *fake)

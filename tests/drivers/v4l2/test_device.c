@@ -39,7 +39,7 @@ static void test_which(void)
         {"/dev/nothing", NULL, "/dev/nothing: is not there; 'pupil list' shows"},
         {"/dev/video1", NULL, "/dev/video1: Fake Camera is a camera's metadata; a node that captures video is needed"},
         {"2", NULL, "/dev/video2: Fake Monitor is a video output"},
-        {"/dev/media0", NULL, "/dev/media0: is no video device"},
+        {"/dev/media0", NULL, "/dev/media0: is not a video device"},
     };
     fake_v4l2_config config = usual();
     config.twin = 1;
@@ -131,7 +131,7 @@ static void test_agreement(void)
         {{.fps = -1}, 0, 0, 0, "-1 frames a second; it must be from 0.001"},
         {{.width = 20000}, 0, 0, 0, "a size of 20000x0; at most 16384x16384"},
         {{.fourcc = V4L2_PIX_FMT_MJPEG}, V4L2_PIX_FMT_MJPEG, 64, 30, NULL},
-        {{.fourcc = V4L2_PIX_FMT_H264}, 0, 0, 0, "format H264 is not read; what is: RGGB"},
+        {{.fourcc = V4L2_PIX_FMT_H264}, 0, 0, 0, "format H264 is not supported; supported: RGGB"},
         {{.fourcc = V4L2_PIX_FMT_NV12M}, 0, 0, 0, "offers no 64x48 of NM12 (64x48 of MJPG instead)"},
         {{.buffers = 1}, 0, 0, 0, "1 buffers; it must be from 2 to 32"},
         {{.buffers = 33}, 0, 0, 0, "33 buffers"},
@@ -171,7 +171,7 @@ static void test_refusals(void)
     check_refused(&c, "its driver gives 1 buffer; two are the least");
     c = usual();
     c.only_format = V4L2_PIX_FMT_H264;
-    check_refused(&c, "Fake Camera offers H264, which is not read; what is: RGGB, RG10");
+    check_refused(&c, "Fake Camera offers H264, which is not supported; supported: RGGB, RG10");
     c = usual();
     c.xfer_func = V4L2_XFER_FUNC_DCI_P3;
     check_refused(&c, "/dev/video0: Fake Camera: its transfer function is DCI-P3; sRGB, Rec. 709, SMPTE 2084 (PQ) or "

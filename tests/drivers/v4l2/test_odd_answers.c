@@ -178,11 +178,11 @@ static void test_outputs(void)
         {{VIDIOC_S_FMT, too_high, 0}, "it takes 64x20000"},
         {{VIDIOC_S_FMT, fields, 0}, "takes single fields (field 2)"},
         {{VIDIOC_S_FMT, higher, 0}, "takes frames of 64x49, not of 64x48"},
-        {{VIDIOC_S_FMT, unknown_format, 0}, "it takes QQQQ; what can be written"},
+        {{VIDIOC_S_FMT, unknown_format, 0}, "it takes QQQQ; formats that can be written"},
         {{VIDIOC_G_FMT, unknown_format, 0}, NULL},
         {{VIDIOC_QUERYCAP, no_device_caps, 0}, NULL},
         {{VIDIOC_QUERYCAP, takes_nothing, 0}, "takes no frames; a driver is needed that streams or has write()"},
-        {{VIDIOC_QUERYCAP, is_input, 0}, "is no video output"},
+        {{VIDIOC_QUERYCAP, is_input, 0}, "is not a video output"},
         {{VIDIOC_QUERYCAP, odd_name, 0}, NULL},
         {{VIDIOC_QUERYBUF, small_buffer, 0}, "its buffers cannot be mapped"},
         {{VIDIOC_REQBUFS, no_buffers, 1}, NULL}, /* by write() */

@@ -274,7 +274,7 @@ static void test_refusals(void)
     fake_v4l2_config usual, c;
     fake_v4l2_config_default(&usual);
     refused(&usual, "/dev/video0", 32,
-            "/dev/video0: Fake Camera is no video output; a display's node is needed, or one "
+            "/dev/video0: Fake Camera is not a video output; a display's node is needed, or one "
             "of v4l2loopback");
     refused(&usual, "/dev/video9", 32, "/dev/video9: cannot be opened: No such file or directory");
     refused(&usual, "v4l2:screen", 32,
@@ -291,7 +291,7 @@ static void test_refusals(void)
     c = usual;
     c.out_format = V4L2_PIX_FMT_GREY;
     refused(&c, "/dev/video2", 32,
-            "/dev/video2: Fake Monitor: it takes GREY; what can be written: RGB3, BGR3, XR24, "
+            "/dev/video2: Fake Monitor: it takes GREY; formats that can be written: RGB3, BGR3, XR24, "
             "YUYV, NV12, YU12, UYVY, NV21, NV16, YV12, XB24, AR24, AB24");
     c = usual;
     c.out_format = V4L2_PIX_FMT_YUYV;

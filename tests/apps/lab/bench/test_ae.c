@@ -26,7 +26,7 @@ static void text(const cJSON *object, const char *name, char *into, size_t bytes
 static double number(const cJSON *object, const char *name, int may_be_null)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
-    CHECK_MSG(cJSON_IsNumber(item) || (may_be_null && cJSON_IsNull(item)), "%s is no number", name);
+    CHECK_MSG(cJSON_IsNumber(item) || (may_be_null && cJSON_IsNull(item)), "%s is not a number", name);
     return cJSON_IsNumber(item) ? item->valuedouble : NAN;
 }
 

@@ -143,7 +143,7 @@ expect 2 "--controller wizard: must be one of pupil rpi" sim --controller wizard
 expect 2 "--delay 0: must be a whole number from 1 to 16" sim --delay 0
 expect 2 "--mains 55: must be 0, 50, 60 or auto" sim --mains 55
 expect 2 "--key-at 0:0.1,1:0.2: must be EV:KEY" sim --key-at 0:0.1,1:0.2
-expect 2 "--key-at: is of --controller pupil" sim --key-at 0:0.1 --controller rpi
+expect 2 "--key-at: needs --controller pupil" sim --key-at 0:0.1 --controller rpi
 expect 2 "--threads 300: must be a whole number from 0 to 256" sim --random 2 --threads 300
 expect 2 "--duration soon: must be a number" sim --duration soon
 expect 2 "--random: camera, light, scene and duration" sim --random 3 -c delay=2
