@@ -2,14 +2,14 @@
 # test.sh [quick|long]: on a bare Debian 12, installs what the tests need, builds, and runs tests. The last lines are
 # ctest's. On two processors:
 #   test.sh        the tests labelled quick and full, which CI runs: 25 minutes at most, with installing and building
-#   test.sh quick  those labelled quick: 90 s, built and installed before
+#   test.sh quick  those labelled quick: 90 s if installed and built before
 #   test.sh long   every test
 # tests/CMakeLists.txt says what the labels mean.
 set -eu
 cd "$(dirname "$0")"
 . cmake/packages.sh
 
-# All that tests need is installed: none may be skipped for want of it (tests/run_test.sh). Not so when in a hurry.
+# All that the tests need is installed below, so none may be skipped (tests/run_test.sh); with quick, tests may be.
 export PUPIL_TESTS_REQUIRE=1
 packages_of_long_tests='gcc-i686-linux-gnu builds for 32-bit x86
 libc6-dev-i386-cross the C library for 32-bit x86
@@ -79,5 +79,5 @@ echo "== building into build/dev; the output goes to build/test.log"
 }
 
 echo "== testing"
-# One more than there are processors: some tests wait, for cameras and for time. $selection: words, on purpose.
+# One more than there are processors, because some tests wait for cameras or time. $selection is split on purpose.
 exec ctest --test-dir build/dev --output-on-failure -j "$(($(nproc) + 1))" $selection </dev/null

@@ -1,4 +1,4 @@
-/* capture.h: somebody else's capture loop, in plain V4L2: nothing of pupil is in it. */
+/* capture.h: a program's own capture loop, in plain V4L2, without pupil. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
@@ -13,7 +13,7 @@
 
 static void (*at_exit_of_capture)(void); /* called before an error ends the program */
 static void *capture_memory[VIDEO_MAX_FRAME];
-static struct v4l2_buffer capture_buffer; /* of the frame that is out */
+static struct v4l2_buffer capture_buffer; /* of the frame that is dequeued */
 
 static void must(int done, const char *what)
 {
@@ -25,7 +25,7 @@ static void must(int done, const char *what)
     exit(1);
 }
 
-/* Four buffers of YUYV, queued and streaming; of what size, the camera says. */
+/* Streams YUYV into four buffers, in the size that the camera is set to. */
 static struct v4l2_pix_format capture_start(int fd)
 {
     static struct v4l2_format format;
@@ -37,7 +37,7 @@ static struct v4l2_pix_format capture_start(int fd)
     must(ioctl(fd, VIDIOC_G_FMT, &format) == 0, "VIDIOC_G_FMT");
     format.fmt.pix.pixelformat = V4L2_PIX_FMT_YUYV;
     must(ioctl(fd, VIDIOC_S_FMT, &format) == 0, "VIDIOC_S_FMT");
-    errno = EINVAL; /* what the driver took may be another one */
+    errno = EINVAL; /* the driver may have chosen another format */
     must(format.fmt.pix.pixelformat == V4L2_PIX_FMT_YUYV, "the camera has no YUYV");
     must(ioctl(fd, VIDIOC_REQBUFS, &request) == 0, "VIDIOC_REQBUFS");
     for (b->index = 0; b->index < request.count; b->index++) {
@@ -69,7 +69,7 @@ static int64_t capture_now_ns(void) /* by the clock of capture_time_ns */
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
-/* The frames' period, as the driver has it, or a usual one. */
+/* The frame period that the driver reports, or a usual one. */
 static double capture_frame_s(int fd)
 {
     static struct v4l2_streamparm p;
@@ -79,7 +79,7 @@ static double capture_frame_s(int fd)
                                                                                : 1.0 / 30.0;
 }
 
-/* When that frame was complete: some drivers stamp the start of its exposure. */
+/* When the dequeued frame was complete: some drivers stamp the start of its exposure. */
 static int64_t capture_end_ns(double frame_s)
 {
     const int starts = (capture_buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;

@@ -1,4 +1,4 @@
-/* full DEVICE: exposure time, gain and picture in somebody else's capture loop (capture.h). RGB24 goes to stdout.
+/* full DEVICE: controls exposure time and gain in a capture loop (capture.h), and maps its frames to RGB24 on stdout.
  *     cc full.c $(pkg-config --cflags --libs pupil pupil-camera) -o full
  *     ./full /dev/video0 | ffplay -f rawvideo -pixel_format rgb24 -video_size 640x480 - */
 #include "capture.h"
@@ -11,10 +11,10 @@ static pupil_camera *camera;
 
 static void give_back(void)
 {
-    pupil_camera_restore(camera); /* every control as it was */
+    pupil_camera_restore(camera); /* every control as it was before */
 }
 
-/* Which frame is exposed now: the one after the newest that is complete. */
+/* Notes which frame is exposed now: the one after the newest complete frame. */
 static void mark(const pupil_frame_info *info, double frame_s)
 {
     const uint64_t newest = pupil_camera_newest(info->sequence, capture_end_ns(frame_s), capture_now_ns(), frame_s);
@@ -29,7 +29,7 @@ static void quit(int signal_number)
 
 int main(int argc, char **argv)
 {
-    static pupil_t pupil; /* static: all zero where nothing is said */
+    static pupil_t pupil; /* static: fields that are not set are 0 */
     static pupil_config config;
     static pupil_stats stats;
     static pupil_image_const in;
@@ -70,7 +70,7 @@ int main(int argc, char **argv)
         info.sequence = capture_buffer.sequence;
         info.timestamp_ns = capture_time_ns();
         mark(&info, sensor_config.frame_s);
-        pupil_camera_in_force(camera, info.sequence, &info); /* exposure and gain of this very frame */
+        pupil_camera_in_force(camera, info.sequence, &info); /* exposure and gain of this frame */
         must(pupil_process(&pupil, &in, &info, &out) == 0, "a frame");
         pupil_get_stats(&pupil, &stats);
         mark(&info, sensor_config.frame_s);

@@ -5,13 +5,13 @@ device=${1:-/dev/video0}
 out=${2:-camera.mkv}
 frames=${3:--1} # -1: until Ctrl-C
 
-# pupilsrc controls exposure time and gain, balances white and maps. It takes the size and rate that the camera is set
-# to; put them behind it to choose: video/x-raw,width=1280,height=720,framerate=30/1
+# pupilsrc controls exposure time and gain, balances white and maps. It uses the size and rate that the camera is set
+# to; to choose others, put caps behind it: video/x-raw,width=1280,height=720,framerate=30/1
 #
-# The queue lets the next frame be exposed and mapped while one is encoded. Where the encoder is too slow, it drops
-# frames; the exposure does not suffer from that.
+# With the queue, the next frame is exposed and mapped while one is encoded. If the encoder is too slow, the queue drops
+# frames, which does not affect the exposure.
 #
-# -m prints the messages of pupilsrc: state, exposure-time, gain. -e ends the file where it is interrupted.
+# -m prints the messages of pupilsrc: state, exposure-time, gain. -e completes the file when interrupted.
 exec gst-launch-1.0 -m -e \
     pupilsrc device="$device" num-buffers="$frames" ! \
     queue leaky=downstream max-size-buffers=8 ! \

@@ -1,5 +1,5 @@
-// libcamera_frames.h: the first camera of libcamera as YUYV, its requests in turn; what any program has.
-// completed() has each request that brought a frame, in libcamera's thread; it may set controls for the next.
+// libcamera_frames.h: plain libcamera, without pupil: YUYV frames of the first camera, request by request.
+// completed() gets each request with a frame, in libcamera's thread; it may set controls for the next request.
 #ifndef LIBCAMERA_FRAMES_H
 #define LIBCAMERA_FRAMES_H
 
@@ -52,7 +52,7 @@ class Frames
             requests_.push_back(camera->createRequest(memory_.size() - 1));
             requests_.back()->addBuffer(stream.stream(), buffer.get());
         }
-        requests_[0]->controls().merge(first); // alone: webcams take no exposure time before
+        requests_[0]->controls().merge(first); // alone: until then webcams refuse an exposure time
         camera->requestCompleted.connect(this, &Frames::done);
         camera->start();
         for (const auto &request : requests_)
@@ -89,7 +89,7 @@ class Frames
             completed(request, image(memory_[request->cookie()]), &next);
         if (!running_)
             return;
-        request->reuse(libcamera::Request::ReuseBuffers); // a control that was refused cancels it: it is queued again
+        request->reuse(libcamera::Request::ReuseBuffers); // also one that a refused control has cancelled
         request->controls().merge(next);
         camera->queueRequest(request);
     }

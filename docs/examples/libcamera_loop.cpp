@@ -1,6 +1,6 @@
-// A camera of libcamera with its exposure time under control, a line a frame, for ten seconds.
+// Controls the exposure time of a camera of libcamera for ten seconds, and prints a line for each frame.
 //     g++ -std=c++17 libcamera_loop.cpp $(pkg-config --cflags --libs libcamera pupil) -o libcamera_loop
-#include "libcamera_frames.h" // what any program of libcamera's has
+#include "libcamera_frames.h" // plain libcamera
 #include <pupil/pupil.h>
 #include <pupil/sensor.h>
 
@@ -26,7 +26,7 @@ int main()
         static pupil_sensor_setting setting;
         pupil_frame_info info = {};
         info.sequence = done->buffers().begin()->second->metadata().sequence;
-        info.exposure_s = done->metadata().get(libcamera::controls::ExposureTime).value_or(0) * 1e-6; // 0: is found
+        info.exposure_s = done->metadata().get(libcamera::controls::ExposureTime).value_or(0) * 1e-6; // 0: unknown
         pupil_stats_clear(&stats);
         pupil_meter_rows(&meter, &image, 0, image.height, &stats);
         pupil_sensor_frame(&sensor, &stats, &info);

@@ -2,7 +2,7 @@
  *     cc mat_bgr.c $(pkg-config --cflags --libs pupil) -o mat_bgr */
 #include <pupil/pupil.h>
 #include <stdio.h>
-/* To be called with mat.data, mat.cols, mat.rows and mat.step. A region of a larger Mat has the step of that one. */
+/* To be called with mat.data, mat.cols, mat.rows and mat.step. A region of a larger Mat has the larger one's step. */
 static int expose(pupil_t *pupil, const void *data, int cols, int rows, size_t step, void *picture)
 {
     const pupil_image out = pupil_image_of(picture, (uint32_t)cols, (uint32_t)rows, PUPIL_PIXEL_BGR8);

@@ -1,5 +1,5 @@
-/* meter_only WIDTH HEIGHT: how bright what somebody else captures is. Frames come from stdin, as YUYV, and of each a
- * line is printed; nothing is mapped, and no camera is touched.
+/* meter_only WIDTH HEIGHT: reports how bright another program's frames are. Reads YUYV from stdin and prints a line for
+ * each frame; nothing is mapped, and no camera is touched.
  *     cc meter_only.c $(pkg-config --cflags --libs pupil) -o meter_only
  *     v4l2-ctl -d /dev/video0 --stream-mmap --stream-to=- | ./meter_only 640 480 */
 #include <pupil/pupil.h>

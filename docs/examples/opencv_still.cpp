@@ -1,4 +1,4 @@
-/* opencv_still INPUT.hdr OUTPUT.png: an HDR still, by pupil in the place of cv::createTonemapReinhard.
+/* opencv_still INPUT.hdr OUTPUT.png: maps an HDR still, by pupil instead of cv::createTonemapReinhard.
  *     apt-get install g++ pkg-config libopencv-dev      (and pupil: docs/guide.md, Building)
  *     c++ opencv_still.cpp $(pkg-config --cflags --libs pupil opencv4) -o opencv_still && ./opencv_still in.hdr out.png
  */

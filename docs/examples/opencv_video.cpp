@@ -16,7 +16,7 @@ int main(int argc, char **argv)
     }
     const bool is_camera = std::isdigit(static_cast<unsigned char>(argv[1][0])) && !argv[1][1];
     cv::VideoCapture capture;
-    /* OpenCV would take GStreamer for a camera, which has no times of its frames. */
+    /* For a camera OpenCV would use GStreamer, whose frames have no timestamps. */
     if (!(is_camera ? capture.open(std::atoi(argv[1]), cv::CAP_V4L2) : capture.open(argv[1]))) {
         std::fprintf(stderr, "opencv_video: %s cannot be opened\n", argv[1]);
         return 1;

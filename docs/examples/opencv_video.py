@@ -14,7 +14,7 @@ import pupil_ae
 
 if len(sys.argv) != 3:
     sys.exit(__doc__)
-# OpenCV would take GStreamer for a camera, which has no times of its frames.
+# For a camera OpenCV would use GStreamer, whose frames have no timestamps.
 capture = cv2.VideoCapture(int(sys.argv[1]), cv2.CAP_V4L2) if sys.argv[1].isdigit() else cv2.VideoCapture(sys.argv[1])
 pupil, picture, writer, count = pupil_ae.Pupil(), None, None, 0
 while count < 3000:
@@ -25,7 +25,7 @@ while count < 3000:
         rate = capture.get(cv2.CAP_PROP_FPS) or 30
         writer = cv2.VideoWriter(sys.argv[2], cv2.VideoWriter_fourcc(*"MJPG"), rate, frame.shape[1::-1])
         picture = np.empty_like(frame)
-    position_ms = capture.get(cv2.CAP_PROP_POS_MSEC)  # of a file its own time, of V4L2 the driver's; of stills anything
+    position_ms = capture.get(cv2.CAP_PROP_POS_MSEC)  # a file's own time, or V4L2's; undefined for stills
     time_ns = int(position_ms * 1e6) if 0 < position_ms < 1e12 else 0  # 0: frames are 1/30 s apart
     pupil.process(frame, pixel="BGR8", out=picture, timestamp_ns=time_ns)
     writer.write(picture)

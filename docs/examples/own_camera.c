@@ -1,7 +1,7 @@
 /* own_camera: exposure control of a camera without V4L2.
  *     cc own_camera.c $(pkg-config --cflags --libs pupil) -lm -o own_camera
  * The sensor is a toy: 12 bits, exposures in lines, gains n/16, in force two frames after they are written, which is a
- * delay of 3 as sensor.h counts. It is written in each frame; setting.changed says when a real one has to be. */
+ * delay of 3 as sensor.h counts. Settings are written in each frame; a real sensor needs it if setting.changed. */
 #include <math.h>
 #include <pupil/pupil.h>
 #include <pupil/sensor.h>
@@ -14,9 +14,9 @@ static uint16_t pixels[WIDTH * HEIGHT];
 
 static void read_frame(int i)
 {
-    const double light = i < FRAMES / 2 ? 400.0 : 3.0; /* times full range, in 1 s at gain 1 */
+    const double light = i < FRAMES / 2 ? 400.0 : 3.0; /* multiples of full range, in 1 s at gain 1 */
     const double exposed = light * (double)lines[i] * line_s * (double)gain_code[i] / 16.0;
-    for (int x = 0; x < WIDTH * HEIGHT; x++) /* columns from a quarter to four times that */
+    for (int x = 0; x < WIDTH * HEIGHT; x++) /* columns from 1/4 to 4 times `exposed` */
         pixels[x] = (uint16_t)lround(fmin(4095.0 * exposed * exp2(4.0 * (x % WIDTH) / WIDTH - 2.0), 4095.0));
 }
 

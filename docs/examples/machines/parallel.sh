@@ -1,8 +1,8 @@
 #!/bin/sh
-# parallel.sh INPUT FRAMES RANGES OUT.mkv: pupil replay INPUT -o OUT.mkv by GNU parallel, in so many ranges of frames, on
-# all processors of this machine ($PARALLEL may name others). What is complete is not made again: after a crash, run it
-# once more. $PUPIL: the program; $OPTIONS: settings of pupil replay, such as "--ev -0.5"; $KIND: of the parts' videos
-# (mkv; for y4m, OUT is a .nut, for Matroska takes no raw RGB).
+# parallel.sh INPUT FRAMES RANGES OUT.mkv: pupil replay INPUT -o OUT.mkv by GNU parallel, in RANGES ranges of frames, on
+# all processors of this machine ($PARALLEL may name others). Complete parts are not made again: after a crash, run it
+# once more. $PUPIL: the program; $OPTIONS: settings of pupil replay, such as "--ev -0.5"; $KIND: format of the parts
+# (mkv; with y4m, OUT is a .nut, because Matroska takes no raw RGB).
 set -eu
 [ $# = 4 ] || { echo "usage: sh parallel.sh INPUT FRAMES RANGES OUT.mkv" >&2; exit 2; }
 input=$1 frames=$2 ranges=$3 out=$4
@@ -13,11 +13,11 @@ for number in "FRAMES $frames" "RANGES $ranges"; do
         exit 2 ;;
     esac
 done
-[ "$ranges" -le "$frames" ] || ranges=$frames # none without frames
+[ "$ranges" -le "$frames" ] || ranges=$frames # no empty ranges
 case $out in -*) out=./$out ;; esac
 work=$out.parts
 
-# The folder is of these settings alone.
+# The folder is for these settings only.
 settings="$input $(if [ -f "$input" ]; then stat -c '%s %y' -- "$input"; fi)
 $frames frames, $ranges ranges, $kind, $OPTIONS"
 mkdir -p "$work"
@@ -27,7 +27,7 @@ if [ -n "$(ls -A "$work")" ] && [ "$(cat "$work/settings" 2>/dev/null)" != "$set
 fi
 echo "$settings" >"$work/settings"
 
-# "FIRST NEXT" a line; the last range goes on to the end.
+# "NUMBER FIRST..NEXT" a line; the last range has no end.
 i=0
 while [ $i -lt "$ranges" ]; do
     last=$((frames * (i + 1) / ranges))
@@ -36,7 +36,7 @@ while [ $i -lt "$ranges" ]; do
     i=$((i + 1))
 done >"$work/ranges"
 
-# Names go to the workers in variables, never as text of a command.
+# Workers get names in variables, never as part of a command's text.
 export input work pupil kind OPTIONS
 workers() { # COMMAND
     parallel --env input,work,pupil,kind,OPTIONS --colsep ' ' --retries 5 --halt soon,fail=1 "$1" :::: "$work/ranges"

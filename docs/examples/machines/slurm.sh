@@ -1,8 +1,8 @@
 #!/bin/sh
-# slurm.sh INPUT FRAMES RANGES FOLDER: the same by Slurm, as three jobs, each of which waits for the one before: an array
+# slurm.sh INPUT FRAMES RANGES FOLDER: as parallel.sh, by Slurm: three jobs, each of which waits for the one before: an array
 # of pupil meter, pupil adapt, an array of pupil map. FOLDER is one that all nodes see; afterwards it has 0.mkv, 1.mkv, ...
-# $PUPIL: the program; $OPTIONS: settings of pupil replay; $KIND: of the videos (mkv). Run again, it makes
-# what is missing.
+# $PUPIL: the program; $OPTIONS: settings of pupil replay; $KIND: format of the videos (mkv). Run again, it
+# makes what is missing.
 set -eu
 [ $# = 4 ] || { echo "usage: sh slurm.sh INPUT FRAMES RANGES FOLDER" >&2; exit 2; }
 input=$(realpath -- "$1") frames=$2 ranges=$3 folder=$4
@@ -13,11 +13,11 @@ for number in "FRAMES $frames" "RANGES $ranges"; do
         exit 2 ;;
     esac
 done
-[ "$ranges" -le "$frames" ] || ranges=$frames # none without frames
+[ "$ranges" -le "$frames" ] || ranges=$frames # no empty ranges
 mkdir -p -- "$folder"
 folder=$(realpath -- "$folder")
 
-# The folder is of these settings alone.
+# The folder is for these settings only.
 settings="$input $(if [ -f "$input" ]; then stat -c '%s %y' "$input"; fi)
 $frames frames, $ranges ranges, $kind, $OPTIONS"
 if [ -n "$(ls -A "$folder")" ] && [ "$(cat "$folder/settings" 2>/dev/null)" != "$settings" ]; then
@@ -26,7 +26,7 @@ if [ -n "$(ls -A "$folder")" ] && [ "$(cat "$folder/settings" 2>/dev/null)" != "
 fi
 echo "$settings" >"$folder/settings"
 
-# Names go to the tasks in variables, never as text of a command.
+# Tasks get names in variables, never as part of a command's text.
 export input folder frames ranges pupil kind OPTIONS
 # The range of task $i, as each task finds it.
 begin='i=$SLURM_ARRAY_TASK_ID; last=$((frames * (i + 1) / ranges)); [ $((i + 1)) -lt $ranges ] || last=
