@@ -3,7 +3,7 @@
     gallery.py PUPIL BEFORE IMAGES OUT [NAME...]
 
 PUPIL and BEFORE are two builds of the program, IMAGES the folder of the HDR images, OUT gets the contact sheets, the
-pictures and the tables. With names: those scenes alone.
+pictures and the tables. With names: only those scenes.
 """
 import json
 import os
@@ -21,7 +21,7 @@ from PIL import Image, ImageDraw, ImageFont  # noqa: E402
 import measure  # noqa: E402
 import operators  # noqa: E402
 
-LONGEST = 640  # pixels of a side; larger images are averaged to it, in linear light
+LONGEST = 640  # pixels of a side; larger images are averaged down to it, in linear light
 CELL = (300, 210)
 FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 LOW_KEY = ("table", "candle", "stars", "meadow", "leds", "CandleGlass", "StarField", "desk")
@@ -47,7 +47,7 @@ def roof(path):
 
 
 def rose(path):
-    """A Bayer frame as three colours, a cell of 2 x 2 a pixel. Its levels and gains are those of its manifest."""
+    """A Bayer frame as RGB, one pixel for each cell of 2 x 2. Levels and gains are those of its manifest."""
     codes = (np.fromfile(path, "<u2").reshape(512, 768) - 600.0) / (15520 - 600)
     return np.stack([codes[0::2, 0::2] * 1.949, (codes[0::2, 1::2] + codes[1::2, 0::2]) / 2,
                      codes[1::2, 1::2] * 1.344], -1)
@@ -129,7 +129,7 @@ def row_of(name, word, m, beyond):
 
 
 def beyond_white(light, stats):
-    """The share of the light at or beyond the white point: what the curve itself makes white."""
+    """The share of the pixels at or beyond the white point, which the curve itself makes white."""
     return float((np.nan_to_num(light) @ measure.LUMINANCE * stats["scale"] >= stats["white"]).mean())
 
 

@@ -2,9 +2,9 @@
 # make.sh IMAGES [PUPIL [BEFORE]]: makes the gallery of docs/pictures.md: its contact sheets in docs, and build/gallery
 # with each picture and the tables.
 #
-# IMAGES is the folder of the HDR images. PUPIL and BEFORE are programs; without them this tree is built, and the one
-# before highlights held the level. Needs Debian's python3-numpy, python3-opencv, python3-pil, ffmpeg with zscale and
-# libplacebo, and a Vulkan driver (mesa-vulkan-drivers will do).
+# IMAGES is the folder of the HDR images. PUPIL and BEFORE are programs; without them this tree is built, and an older
+# one, from before highlights held back the level. Needs Debian's python3-numpy, python3-opencv, python3-pil, ffmpeg with
+# zscale and libplacebo, and a Vulkan driver (mesa-vulkan-drivers will do).
 set -eu
 cd "$(dirname "$0")/../.."
 images=$1

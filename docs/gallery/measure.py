@@ -3,8 +3,8 @@
     measure.py SCENE.pfm PICTURE.png...    prints a line a picture
 
 Scene: linear light in BT.709 primaries. Picture: 8-bit sRGB of the same size. Hue and chroma are Oklab's (B. Ottosson,
-"A perceptual color space for image processing", 2020). They are compared at the picture's own luminance Y: with the
-scene's colour, scaled to Y. So exposure and curve play no part, only what became of the colour.
+"A perceptual color space for image processing", 2020). The picture's colour is compared with the scene's colour, scaled
+to the picture's luminance Y, so exposure and curve play no part.
 """
 import sys
 
@@ -65,8 +65,8 @@ def quantiles(values):
 
 
 def colour(scene, shown):
-    """Hue turned and chroma kept where the scene's chroma is over half of the gamut's, and of pure LED colours the
-    share of the gamut's largest chroma."""
+    """Where the scene's chroma is over half of the gamut's: how far the hue turned, and the share of chroma kept. For
+    pure LED colours: the share of the gamut's largest chroma."""
     light, y = scene @ LUMINANCE, shown @ LUMINANCE
     use = (y > 0.1) & (y < 0.9) & (light > 0) & (scene.min(-1) >= 0)
     scene, shown = scene[use], shown[use]
@@ -79,7 +79,7 @@ def colour(scene, shown):
               "hue_size": quantiles(abs(turned[vivid])), "kept": quantiles(shown_chroma[vivid] / chroma[vivid]),
               "warm_hue": quantiles(turned[warm]), "warm_kept": quantiles(shown_chroma[warm] / chroma[warm])}
     for i, name in enumerate(("red", "green", "blue")):
-        pure = np.delete(scene, i, -1).max(-1) < 0.1 * scene[:, i]  # an LED's, nearly alone
+        pure = np.delete(scene, i, -1).max(-1) < 0.1 * scene[:, i]  # one channel nearly alone
         most = largest_chroma(shown_lightness[pure], shown_hue[pure])
         result[name] = quantiles(shown_chroma[pure] / np.maximum(most, 1e-6))
     return result

@@ -1,7 +1,7 @@
 """The operators of the gallery: linear light to 8-bit sRGB, each with its own defaults.
 
 OpenCV's scale the light themselves; their gamma is set to 2.2, since their default leaves the picture linear. ffmpeg's
-and libplacebo's expect light that is exposed already, so they get that of pupil's exposure: 1 is the display's white.
+and libplacebo's expect exposed light, so they get it with pupil's exposure: 1 is the display's white.
 """
 import subprocess
 
@@ -11,7 +11,7 @@ import numpy as np
 
 def opencv(make):
     def run(rgb, _):
-        light = np.maximum(rgb, 1e-6)[:, :, ::-1].astype(np.float32)  # of 0 they make NaN
+        light = np.maximum(rgb, 1e-6)[:, :, ::-1].astype(np.float32)  # they turn 0 into NaN
         return codes_of(np.nan_to_num(make().process(np.ascontiguousarray(light)))[:, :, ::-1])
     return run
 

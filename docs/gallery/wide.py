@@ -1,5 +1,5 @@
-"""Colours of BT.2020 that BT.709 lacks: what becomes of hue and chroma if components below 0 are set to 0, and if the
-colour goes to grey along constant hue, at its luminance (docs/pictures.md). Hue and chroma are Oklab's."""
+"""Colours of BT.2020 that BT.709 lacks: how hue and chroma change if negative components are set to 0, and if the
+colour moves toward grey at constant hue and luminance (docs/pictures.md). Hue and chroma are Oklab's."""
 import numpy as np
 
 import measure
@@ -24,7 +24,7 @@ def at_luminance_1(rgb):
 
 
 def constant_hue(rgb):
-    """To where the least component is 0: a step of false position, and one of the Illinois rule."""
+    """Moved to where the least component is 0: by a step of false position, and one of the Illinois rule."""
     root = np.cbrt(rgb @ CONES.T)
 
     def moved(part):

@@ -2,7 +2,7 @@
 
     worst.py PUPIL MODULE OUT    PUPIL is the program, MODULE the folder with pupil_ae (build/python), OUT gets a sheet
 
-A row a frame, a column a format. Codes are those of all channels; white is 255 in each.
+A row for each frame, a column for each format. Codes are of all channels; white means 255 in each.
 """
 import json
 import pathlib
