@@ -234,7 +234,7 @@ static const option_row control_rows[] = {
      .more = "If several frames are waiting, the newest is taken and the others count as late. Without this option, "
              "frames are skipped once the program turns out to be slower than the camera, but never with --record."},
     {"reopen", 0, OPTION_TIME, "TIME", AT(live.capture.reopen_s), .high = 1e6, .unit_s = 1.0, .initial = "0",
-     .right = "seconds, from 0 to 1000000", .help = "wait for an unplugged camera",
+     .right = "seconds, from 0 to 1000000", .help = "wait for a lost camera",
      .more = "Also for one whose stream has stopped. 0: the run ends, with exit status 1."},
 };
 
@@ -294,7 +294,7 @@ static int check_flicker(const run_options *r, pupil_why *why)
 {
     const frame_options *o = &r->shown;
     if (r->mode == RUN_DIGITAL && ((r->live.mains_hz && !r->row_gains) || r->any_frame_rate))
-        return pupil_refuse(why, "--mains, --flicker-period and --no-frame-rate-priority: are of --mode sensor and "
+        return pupil_refuse(why, "--mains, --flicker-period and --no-frame-rate-priority: need --mode sensor or "
                                  "both; digital leaves the camera as it is");
     if (r->readout_s > 0.0 && !r->row_gains)
         return pupil_refuse(why, "--readout: needs --row-gains");

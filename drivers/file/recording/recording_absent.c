@@ -4,9 +4,7 @@
 
 static int refuse(const char *folder, pupil_why *why)
 {
-    return pupil_refuse(why,
-                        "%s: this build of pupil has no recordings (it was configured with PUPIL_MEDIA=OFF or "
-                        "PUPIL_MEDIA=OFF)",
+    return pupil_refuse(why, "%s: this build of pupil has no recordings (it was configured with PUPIL_MEDIA=OFF)",
                         folder);
 }
 

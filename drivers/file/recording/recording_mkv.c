@@ -248,7 +248,7 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     if (pupil_video_io_open(&r->io, path, &words))
         return pupil_refuse(why, "%s: cannot be read: %s", path, words.text);
     if (!is_matroska(r->io.fd))
-        return pupil_refuse(why, "%s: is no Matroska", path);
+        return pupil_refuse(why, "%s: is not a Matroska file", path);
     r->packet = av_packet_alloc();
     r->format = avformat_alloc_context();
     if (!r->packet || !r->format)
@@ -261,7 +261,7 @@ static int open_format(pupil_mkv_reader *r, const char *path, pupil_why *why)
     errno = 0;
     const int code = avformat_open_input(&r->format, "", av_find_input_format("matroska"), NULL);
     const char *fault = code < 0 ? trouble(r, code, words.text) : NULL;
-    return fault ? pupil_refuse(why, "%s: is no Matroska that can be read: %s", path, fault) : 0;
+    return fault ? pupil_refuse(why, "%s: is not a Matroska file that can be read: %s", path, fault) : 0;
 }
 
 int pupil_mkv_open(pupil_mkv_reader **reader, const char *path, double fps, size_t frame_bytes, pupil_why *why)

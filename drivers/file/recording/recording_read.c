@@ -104,8 +104,8 @@ static int decode(recording *r, pupil_image_const *image, pupil_why *why)
     if (pupil_jpeg_decode(r->jpeg, r->bytes, r->size, image, &words))
         return pupil_refuse(why, "%s: frame %llu: %s", r->frames_path, (unsigned long long)r->frame, words.text);
     if (image->pixel != r->about.pixel)
-        return pupil_refuse(why, "%s: frame %llu is no JPEG of which %s is made, as of the others", r->frames_path,
-                            (unsigned long long)r->frame, pupil_recording_pixel_name(r->about.pixel));
+        return pupil_refuse(why, "%s: frame %llu is not a JPEG that %s can be decoded from, as the others are",
+                            r->frames_path, (unsigned long long)r->frame, pupil_recording_pixel_name(r->about.pixel));
     image->coding = &r->about.coding;
     return 0;
 }

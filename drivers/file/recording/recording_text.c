@@ -218,7 +218,7 @@ static int parse(const char *path, const char *text, pupil_recording_about *abou
     if (cJSON_IsObject(object))
         failed = take_all(path, object, &t, why);
     else
-        failed = pupil_refuse(why, "%s:%u: that is no JSON; an object as pupil record writes it was expected", path,
+        failed = pupil_refuse(why, "%s:%u: that is not JSON; an object as pupil record writes it was expected", path,
                               line_of(text, end));
     cJSON_Delete(object);
     *about = t.about;
@@ -360,7 +360,7 @@ int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_inf
     memset(info, 0, sizeof *info);
     const int failed = cJSON_IsObject(object)
                            ? take_line(object, frame, info, balance, why)
-                           : pupil_refuse(why, "that is no JSON; a line as pupil record writes it was expected");
+                           : pupil_refuse(why, "that is not JSON; a line as pupil record writes it was expected");
     cJSON_Delete(object);
     return failed;
 }

@@ -13,7 +13,7 @@ static int take(pupil_still *still, const pupil_image_const *image, pupil_why *w
 {
     const size_t row = (size_t)image->width * 3 * sizeof(float);
     if (pupil_pixel_is_mosaic(image->pixel))
-        return pupil_refuse(why, "is a still of a mosaic that is no DNG; without a header it is read as raw:FILE,...");
+        return pupil_refuse(why, "is a still of a mosaic, but not a DNG; without a header it is read as raw:FILE,...");
     if (image->pixel != PUPIL_PIXEL_RGB32F)
         return pupil_refuse(why, "is a still of PQ or HLG, which can be read alone and not in a sequence");
     if (pupil_still_reserve(still, image->width, image->height, PUPIL_PIXEL_RGB32F, why))

@@ -261,7 +261,7 @@ static void test_usage(void)
     check_usage("--auto synth:walk x", "are a camera's");
     CHECK(record(NULL, "-n 2 synth:nowhere %s", scratch("x")) == 1 && !scratch_exists(scratch("x")));
     CHECK(record(NULL, "-n 2 synth:walk %s/none/x", scratch_folder) == 1 && strstr(said(), "make it first"));
-    CHECK(record(NULL, "-n 2 synth:walk /dev/null") == 1 && strstr(said(), "/dev/null: is no folder"));
+    CHECK(record(NULL, "-n 2 synth:walk /dev/null") == 1 && strstr(said(), "/dev/null: is not a folder"));
 }
 
 int main(int argc, char **argv)

@@ -209,7 +209,7 @@ static void check_refusals(void)
     CHECK(pupil_report_begin(&report, scratch("theirs"), 1, 0, &why) != 0 && strstr(why.text, "no report"));
     CHECK(strstr(slurp(scratch("theirs/index.html")), "a home page") != NULL);
     CHECK(pupil_report_begin(&report, scratch("theirs/index.html"), 1, 0, &why) != 0);
-    CHECK_MSG(strstr(why.text, "no folder"), "%s", why.text);
+    CHECK_MSG(strstr(why.text, "not a folder"), "%s", why.text);
     CHECK(pupil_report_begin(&report, scratch("a/b"), 1, 0, &why) != 0 && strstr(why.text, "make it first"));
     CHECK(pupil_report_begin(&report, "", 1, 0, &why) != 0 && strstr(why.text, "name of a folder"));
     CHECK(report == NULL);

@@ -284,8 +284,8 @@ static void check_text(const char *folder, const char *name, const char *from, c
 static void test_texts(void)
 {
     static const char *const about[][3] = {
-        {"{", "", "recording.json:2: that is no JSON"},
-        {"\"raw\",", "\"raw\"", "recording.json:10: that is no JSON"},
+        {"{", "", "recording.json:2: that is not JSON"},
+        {"\"raw\",", "\"raw\"", "recording.json:10: that is not JSON"},
         {"pupil recording", "else", "recording.json: \"format\" must be \"pupil recording\""},
         {"\"version\":\t1", "\"version\":\t2", "recording.json: \"version\" must be 1"},
         {"bayer12", "bayer13", "recording.json: \"pixel\" must be a pixel format"},
@@ -298,13 +298,13 @@ static void test_texts(void)
         {"\"fps\":\t29", "\"fps\":\t-29", "recording.json: \"fps\" must be a number above 0"},
         {"\"raw\"", "\"cooked\"", "recording.json: \"stored\" must be \"raw\" or \"jpeg\""},
         {"\"shift\":\t0", "\"shift\":\t9", "recording.json: the coding of the frames: shift"},
-        {"\"black\":\t1", "\"black\":\tx1", "that is no JSON"},
+        {"\"black\":\t1", "\"black\":\tx1", "that is not JSON"},
         {"\"black\"", "\"blank\"", "recording.json: \"black\" is missing; it must be a number"},
         {"balance\":\t[", "balance\":\t[1, ", "\"balance\" must be a list of three numbers"},
-        {"\n}", "\n}}", "that is no JSON"},
+        {"\n}", "\n}}", "that is not JSON"},
     };
     static const char *const lines[][3] = {
-        {"{", "", "frames.jsonl:1: that is no JSON"},
+        {"{", "", "frames.jsonl:1: that is not JSON"},
         {"\"frame\":1", "\"frame\":2", "frames.jsonl:2: \"frame\" is 2; in this line it must be 1"},
         {"\"frame\":1,", "", "frames.jsonl:2: \"frame\" is missing"},
         {"\"gain\":", "\"gain\":\"1\",\"x\":", "frames.jsonl:1: \"gain\" must be a number"},
@@ -327,7 +327,7 @@ static void test_texts(void)
         check_text(folder, "frames.jsonl", lines[i][0], lines[i][1], lines[i][2]);
     CHECK(frames_replay(&frames, folder, &why) == 4);
     scratch_put(scratch("texts/frames.mkv"), "no Matroska at all, but long enough for a head");
-    CHECK(frames_replay(&frames, folder, &why) == -1 && strstr(why.text, "frames.mkv: is no Matroska"));
+    CHECK(frames_replay(&frames, folder, &why) == -1 && strstr(why.text, "frames.mkv: is not a Matroska file"));
     scratch_clear(folder);
     CHECK(!pupil_is_recording(folder));
     frames_free(&frames);

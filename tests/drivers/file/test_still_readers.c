@@ -233,7 +233,7 @@ static void test_load(void)
     write_file(path, "Pf 1\033[31m 1 -1\n", 15); /* what a file says does not reach a terminal as it is */
     CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "\"1?[31m\""));
     CHECK(pupil_still_load(&still, scratch_folder, &said) == -1 && strstr(said.text, "is a folder"));
-    CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "no regular file"));
+    CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "not a regular file"));
     CHECK(pupil_still_load(&still, scratch("none.exr"), &said) == -1 &&
           strstr(said.text, "none.exr: cannot be opened: No such file"));
     /* Old runs, ten bytes a line: 8192 x 8192 pixels of 98 KB, which are read where they are asked for. */

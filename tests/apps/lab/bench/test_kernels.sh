@@ -156,7 +156,7 @@ expect 2 "rgb8 yuyv nv12" bench kernels --format rgba64f
 expect 2 "--format" bench kernels --format rgb9
 expect 2 "rgba8 rgb8 bgrx8 bgr8 nv12 half" bench kernels --out yuyv
 expect 2 "--light" bench kernels --format rgb8 --light pq
-expect 2 "no mosaic" bench kernels --out half --format rgb8
+expect 2 "not a mosaic" bench kernels --out half --format rgb8
 expect 2 "rgba8" bench kernels --out nv12 --worst
 expect 2 "multiple of 4" bench kernels --size 66x34 --format bayer10p
 expect 2 "even height" bench kernels --size 68x33
