@@ -12,11 +12,11 @@
  * field that was added later is read only where size_bytes covers it.
  *
  * The library reads at most size_bytes. Fields that an older caller lacks have their defaults. A newer caller's fields
- * that the library does not know must be 0. Anything else is refused before anything is touched: by the sentence of the
- * check (configurations, coding), else with PUPIL_ERR_SIZE_BYTES.
+ * that the library does not know must be 0. Anything else is refused before anything is touched: configurations and
+ * coding by their check, with its sentence, other structs with PUPIL_ERR_SIZE_BYTES.
  *
- * Outputs: the library writes at most the caller's sizeof, which an inline function passes to it (the functions that
- * end in _sized; call these from other languages) and which becomes their size_bytes. Fields of a newer caller that the
+ * Outputs: an inline function passes the caller's sizeof to a function that ends in _sized (call these from other
+ * languages). The library writes at most that many bytes, and sets size_bytes to it. Fields of a newer caller that the
  * library does not know become 0.
  */
 #ifndef PUPIL_ABI_H
@@ -37,7 +37,7 @@ extern "C" {
 #define PUPIL_VERSION_MINOR 2
 #define PUPIL_VERSION_PATCH 0
 
-/* "0.2.0": the version of the library that is linked, which need not be that of this header. */
+/* "0.2.0": the version of the linked library, which may differ from this header's. */
 PUPIL_API const char *pupil_version(void);
 
 #ifdef __cplusplus

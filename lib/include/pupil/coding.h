@@ -1,7 +1,7 @@
 /* pupil/coding.h: what the samples of a camera's formats mean.
  *
  * Float, half and RGB formats need none of this. A pupil_coding describes a frame of Y'CbCr, of grey or of a sensor's
- * mosaic. All zero, or no coding at all, is the usual case, which each field names.
+ * mosaic. All zero, or no coding at all, means the usual case, which each field names.
  *
  * Threads: plain values.
  */
@@ -26,8 +26,8 @@ typedef enum pupil_matrix {
 
 /* V4L2: V4L2_QUANTIZATION_LIM_RANGE and _FULL_RANGE. */
 typedef enum pupil_range {
-    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240; of 10 bits 4, of 16 bits 256 times that */
-    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and what is decoded from it; of 10 bits 0..1023, of 16 bits 0..65535 */
+    PUPIL_RANGE_LIMITED = 0, /* Y' 16..235, Cb and Cr 16..240; in 10 bits 4 times, in 16 bits 256 times that */
+    PUPIL_RANGE_FULL,        /* 0..255: JPEG, and frames decoded from it; in 10 bits 0..1023, in 16 bits 0..65535 */
     PUPIL_RANGE_COUNT
 } pupil_range;
 
@@ -44,7 +44,7 @@ typedef enum pupil_light {
 } pupil_light;
 
 /* The colours of the first two pixels of a mosaic's first row, then of its second: SRGGB ... in V4L2's names. A cropped
- * or flipped frame begins with another one. */
+ * or flipped frame begins with another colour. */
 typedef enum pupil_bayer {
     PUPIL_BAYER_RGGB = 0,
     PUPIL_BAYER_GRBG,
@@ -53,26 +53,26 @@ typedef enum pupil_bayer {
     PUPIL_BAYER_COUNT
 } pupil_bayer;
 
-/* Most knees of a companded sensor. */
+/* The largest number of knees of a companding sensor. */
 #define PUPIL_KNEES 8
 
 /* How samples become light:
  *
  * - Y'CbCr and RGB10A2: R'G'B' is clamped to 0..1. Light is interpolated between that of the 256 codes, within 7e-6 of
- *   the curve (BT.709: 3.6e-5 at 0.081, where the standard's curve itself has a step of 5.5e-5); PQ between 4093 and
- *   HLG between 2047 points, within 7e-5 (PQ) and 3.3e-4 (HLG) of the light itself where it is at least 2^-14, and
- *   without an error in the mean.
+ *   the curve (BT.709: 3.6e-5 at 0.081, where the standard's curve itself has a step of 5.5e-5). PQ is interpolated
+ *   between 4093 and HLG between 2047 points, with a relative error of at most 7e-5 (PQ) and 3.3e-4 (HLG) for light of
+ *   at least 2^-14, and without an error in the mean.
  * - Grey: (code - black) / (white - black). With a curve it is clamped to 0..1 and interpolated as Y'CbCr.
- * - Mosaics: as grey, then the balance, then the matrix. After the balance no channel is above the value at which the
- *   least amplified channel is full, so clipped highlights are white and not magenta.
+ * - Mosaics: as grey, then the balance, then the matrix. After the balance every channel is clamped to the value at
+ *   which the least amplified channel saturates, so clipped highlights are white and not magenta.
  * - Grey and mosaics of a companding sensor (knees above 0), which squeezes the light of 16 to 24 bits into codes of 10
- *   to 16: instead of (code - black) / (white - black) light is on straight lines from (black, 0) through the knees to
- *   (white, 1), of each sample before anything is interpolated. The first line is continued below black, the last one
- *   above white. So sensors that merge several exposures themselves can be read where they send one companded frame,
- *   as those of car cameras do. Sensors that send the exposures line by line or frame by frame (line-interleaved,
- *   staggered or DOL HDR) are not supported: their rows differ in exposure, and nothing here merges them.
+ *   to 16: instead of (code - black) / (white - black), light follows straight lines from (black, 0) through the knees
+ *   to (white, 1), for each sample before any interpolation. The first line continues below black, the last one above
+ *   white. So sensors that merge several exposures into one companded frame, as those of car cameras do, can be read.
+ *   Sensors that send the exposures line by line or frame by frame (line-interleaved, staggered or DOL HDR) are not
+ *   supported: their rows differ in exposure, and nothing here merges them.
  *
- * Linear light below black is negative, as the noise of a dark sensor is. Light above white is above 1 in grey.
+ * Linear light below black is negative, as the noise of a dark sensor is. Grey codes above white are light above 1.
  *
  * Fields by format:
  *
@@ -93,12 +93,13 @@ typedef struct pupil_coding {
     float white;      /* code of the largest light, after the shift, up to 65535; 0: 2^bits - 1 */
     float balance[3]; /* white balance: factors of R, G, B, 2^-10..2^10; all 0: 1, 1, 1 */
     float rgb_from_camera[9]; /* row by row, -16..16; from the balanced camera's RGB to that of config.primaries; all 0:
-                               * none. A mosaic is metered before it, with the luminance that it leads to. */
-    uint32_t knees;           /* how many of the next are used, 0..PUPIL_KNEES; 0: linear from black to white */
-    float knee_code[PUPIL_KNEES];  /* codes after the shift, each at least 1 above the one before; the first is above
-                                    * black, the last below white by as much */
-    float knee_light[PUPIL_KNEES]; /* their light, of 1 at white: above 2^-30, rising, below 1. A data sheet gives codes
-                                    * of so many bits: divide by that of white */
+                               * none. A mosaic is metered before the matrix, with weights that give the luminance after
+                               * it. */
+    uint32_t knees;           /* how many of the following are used, 0..PUPIL_KNEES; 0: linear from black to white */
+    float knee_code[PUPIL_KNEES];  /* codes after the shift, each at least 1 above the one before; the first at least 1
+                                    * above black, the last at least 1 below white */
+    float knee_light[PUPIL_KNEES]; /* their light, white being 1: above 2^-30, rising, below 1. Data sheets give linear
+                                    * codes: divide them by that of white */
 } pupil_coding;
 
 /* Whether images of the format `pixel` (a pupil_pixel, image.h) can have this coding. Fields that the format does not

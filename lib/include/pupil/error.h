@@ -20,13 +20,13 @@ enum {
     PUPIL_ERR_NULL = -1,      /* a required pointer is NULL (the chroma plane of NV12 is one) */
     PUPIL_ERR_CONFIG = -2,    /* the configuration is refused; its check (pupil_config_check ...) says which field */
     PUPIL_ERR_OBJECT = -3,    /* the object was not made by its init (pupil_init ...) of this version */
-    PUPIL_ERR_SIZE = -4,      /* width or height is 0 or above PUPIL_MAX_SIDE_PX or not what the format can have, or in
-                               * and out differ in size */
+    PUPIL_ERR_SIZE = -4,      /* width or height is 0, above PUPIL_MAX_SIDE_PX or not possible in the format, or in and
+                               * out differ in size */
     PUPIL_ERR_STRIDE = -5,    /* rows would overlap: |stride| is smaller than one row of pixels */
     PUPIL_ERR_ALIGNMENT = -6, /* data or stride is not a multiple of the sample's size */
     PUPIL_ERR_PIXEL = -7,     /* the input's pixel format cannot be read, or is not that of gles.h's config */
-    PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or that cut what belongs together (image.h), or a frame ended
-                               * before each of its rows came once */
+    PUPIL_ERR_ROWS = -8,      /* rows outside the frame, or that split a pair (image.h), or a frame ended before each of
+                               * its rows came once */
     PUPIL_ERR_ORDER = -9,     /* calls out of order: rows or end without a begin, or a second begin */
     PUPIL_ERR_NO_EXPOSURE = -10,  /* a curve was asked for before any frame was adapted to */
     PUPIL_ERR_NO_HISTOGRAM = -11, /* a quantile was asked of statistics gathered without a histogram */
@@ -49,7 +49,7 @@ enum {
 
 /* A sentence that says why a call failed, for calls that return more than a code. It is English, without a full stop,
  * ended by a zero byte. It names the file, the option or the field, and what would be right. A call that succeeds
- * leaves it unchanged. NULL in its place is allowed: then there is no sentence. Frozen: longer sentences are cut. */
+ * leaves it unchanged. The pointer may be NULL: then there is no sentence. Frozen: longer sentences are cut. */
 typedef struct pupil_why {
     char text[1024];
 } pupil_why;
