@@ -149,19 +149,19 @@ typedef struct pupil_config {
                           * be 0 */
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1. If the
                           * brightest 5 % of the light are below 2^-6 or above 2^16, multiply the frame and its gain
-                          * (pupil_frame_info) by a power of two, with exposure_s 1 if it is unknown. The level is then
-                          * still that of the original light. PUPIL_REASON_RANGE reports such frames */
+                          * (pupil_frame_info) by the same power of two, with exposure_s 1 if it is unknown. The level
+                          * is then still that of the original light. PUPIL_REASON_RANGE reports such frames */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
                           * (stats.h) */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
-    uint32_t histogram;  /* 0: gathered only if trimming, a following white or a curve needs it; 1: always; 0.
+    uint32_t histogram;  /* 0: gathered only if trimming, a white point that follows or a curve needs it; 1: always; 0.
                           * histogram_step says of which pixels */
     uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, a different one
                           * in each frame. Mapping does not change. For slow boards: docs/numerics.md has the error. If
-                          * few rows have a weight, none of them may be metered, and the frame then counts as one
-                          * without light. The number of frames that pupil_adapt has taken selects the rows, so workers
-                          * use the object that adapts, or a copy made since the last frame; 0: as 1 */
+                          * few rows have a weight, a frame may meter none of them; it then counts as a frame without
+                          * light. The number of frames that pupil_adapt has taken selects the rows, so workers use the
+                          * object that adapts, or a copy made since the last frame; 0: as 1 */
     uint32_t grey_world; /* 1: sum up the channels of mosaics (pupil_stats_grey_world); same for all workers; 0 */
     uint8_t weight[PUPIL_GRID_SIDE][PUPIL_GRID_SIDE]; /* [row][column] of the metering grid, 0..255, at least one
                                                        * above 0; all 1. A pixel belongs to the cell that contains its

@@ -33,9 +33,9 @@ extern "C" {
  * - RGB of 16 bits: code 65535.
  * - Grey and mosaics: coding.white, usually the sensor's clipping. A mosaic's balance and matrix come after it.
  * - Float and half: the frame's own unit. Renderers and EXR files usually have diffuse white at 1, with light above it.
- * - Outputs: the brightest that the display shows. Float and half outputs are linear display light from 0 to 1, before
- *   config.transfer, which is for 8 bits: with it, the floats become the 8-bit output's codes; halves, which are
- *   rounded, may be one off. There is no output of 10 bits, PQ or HLG.
+ * - Outputs: the brightest light that the display shows. Float and half outputs are linear display light from 0 to 1,
+ *   before config.transfer, which is for 8 bits. Applied to the floats, it gives the 8-bit output's codes; from halves,
+ *   which are rounded, a code may be one off. There is no output of 10 bits, PQ or HLG.
  *
  * Pixel formats. "linear": the sample is proportional to light. "sRGB": coded with the curve of IEC 61966-2-1.
  * Integer samples represent 0..1: code / (2^bits - 1), unless the image's coding says otherwise. Alpha is never light:
@@ -99,9 +99,9 @@ typedef enum pupil_pixel {
  * count quads as pixels. It is mapped to a picture of its own size by bilinear interpolation. To an `out` of half its
  * width and height it is mapped quad by quad.
  *
- * Rows of 4:2:0 (NV12, NV21, I420, P010, I420_10) and of mosaics come in pairs. A group of rows begins at an even one.
- * It has an odd number of rows only at the end of a 4:2:0 frame. To NV12 and I420 of half a mosaic's size they come in
- * fours, which are a pair there.
+ * Rows of 4:2:0 (NV12, NV21, I420, P010, I420_10) and of mosaics come in pairs. A group of rows begins at an even row,
+ * and has an odd number of rows only at the end of a 4:2:0 frame. When a mosaic is mapped to NV12 or I420 of half its
+ * size, rows come in fours, which are a pair there.
  *
  * To interpolate a mosaic, the rows next to the group are read too, if rows_above and rows_below are not 0. Where they
  * are 0, at the frame's edges, the picture is mirrored. pupil_image_rows sets both. */
@@ -116,7 +116,7 @@ typedef struct pupil_image {
     ptrdiff_t chroma_stride_bytes; /* may be negative; pupil_chroma_row_bytes is its least */
     void *cr;                      /* I420, I420_10, I444_16: the top row of Cr */
     ptrdiff_t cr_stride_bytes;     /* as chroma_stride_bytes */
-    const pupil_coding *coding;    /* NULL: all zero. NV12 and I420: its matrix and range */
+    const pupil_coding *coding;    /* NULL: all zero. Outputs NV12 and I420 use its matrix and range */
 } pupil_image;
 
 typedef struct pupil_image_const {
@@ -143,21 +143,21 @@ typedef struct pupil_frame_info {
                            * frames' timestamps; going back counts as dt = 0. Two frames in a row with timestamp 0
                            * count as frames without timestamps, config.nominal_frame_s apart. */
     uint64_t sequence;    /* the driver's frame number; sensor.h counts lost frames by it */
-    double exposure_s;    /* exposure time in seconds; 0: unknown, as is what is not from 2^-64 to 2^64 */
-    double gain;          /* total gain, 1 = none; unknown as exposure_s is */
+    double exposure_s;    /* exposure time in seconds; unknown if 0 or not from 2^-64 to 2^64 */
+    double gain;          /* total gain, 1 = none; unknown if 0 or not from 2^-64 to 2^64 */
 } pupil_frame_info;
 
-/* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and where it is
- * no whole number (packed samples). */
+/* Bytes of one pixel in `data` (16 for RGBA32F ... 1 for NV12); 0 for anything that is no pupil_pixel, and for packed
+ * samples, which are no whole number of bytes. */
 PUPIL_API size_t pupil_pixel_bytes(uint32_t pixel);
 
 /* Bytes of a row in `data`; 0 for anything that is no pupil_pixel. */
 PUPIL_API size_t pupil_row_bytes(uint32_t pixel, uint32_t width);
 
-/* How many planes a format has: 1; 2 with `chroma`; 3 with `chroma` and `cr`. 0 for anything that is no pupil_pixel. */
+/* Planes of a format: 1; 2 with `chroma`; 3 with `chroma` and `cr`. 0 for anything that is no pupil_pixel. */
 PUPIL_API uint32_t pupil_pixel_planes(uint32_t pixel);
 
-/* Bytes of a row in `chroma`, and in `cr`, and how many rows these have; 0 for formats without them. */
+/* Bytes of a row in `chroma` and in `cr`, and the number of their rows; 0 for formats without these planes. */
 PUPIL_API size_t pupil_chroma_row_bytes(uint32_t pixel, uint32_t width);
 PUPIL_API uint32_t pupil_chroma_rows(uint32_t pixel, uint32_t height);
 
@@ -188,7 +188,7 @@ static inline pupil_image_const pupil_image_rows(pupil_image_const image, uint32
     return image;
 }
 
-/* The same of an image to write to. */
+/* The same for an output. */
 static inline pupil_image pupil_image_out_rows(pupil_image image, uint32_t first_row, uint32_t rows)
 {
     const ptrdiff_t chroma_row = pupil_chroma_row_of(image.pixel, first_row);
@@ -229,7 +229,7 @@ static inline size_t pupil_image_bytes(uint32_t pixel, uint32_t width, uint32_t 
     return pupil_row_bytes(pixel, width) * height + (pupil_pixel_planes(pixel) == 3 ? 2 * chroma : chroma);
 }
 
-/* Such a picture at `data`. What differs (padded rows, planes elsewhere, a coding) is set afterwards. */
+/* Such a picture at `data`. Set what differs (padded rows, planes elsewhere, a coding) afterwards. */
 static inline pupil_image pupil_image_of(void *data, uint32_t width, uint32_t height, uint32_t pixel)
 {
     const size_t row = pupil_row_bytes(pixel, width), chroma_row = pupil_chroma_row_bytes(pixel, width);

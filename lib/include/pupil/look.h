@@ -1,4 +1,4 @@
-/* pupil/look.h: what is drawn into a mapped picture. Nothing here changes what is metered.
+/* pupil/look.h: marks that are drawn into a mapped picture. Nothing here changes metering.
  *
  * Threads: plain functions of their arguments; rows can be worked in any groups on any threads.
  */
@@ -15,21 +15,21 @@
 extern "C" {
 #endif
 
-/* The largest magnitude that there is: both derivatives 4 * 255. */
+/* The largest possible magnitude: both derivatives are 4 * 255. */
 #define PUPIL_EDGE_MOST 1442
 
-/* Edges of a picture in `colour` (focus peaking: what is sharp is marked), the rest as it is. A pixel is on an edge
- * where gx^2 + gy^2 >= threshold^2 in its red, green or blue, gx and gy being Sobel's derivatives in codes and
+/* Draws the edges of a picture in `colour` (focus peaking: sharp parts are marked), and copies the rest. A pixel is on
+ * an edge where gx^2 + gy^2 >= threshold^2 in its red, green or blue, gx and gy being Sobel's derivatives in codes and
  * `threshold` 1..PUPIL_EDGE_MOST:
  * - gx: the column to the right of the pixel less that to the left, their three rows weighted by 1, 2, 1;
  * - gy: the row below less the row above, their three columns weighted by 1, 2, 1.
  *
- * A step of n codes across a straight edge has 4n. Beyond the picture's border its outermost pixels are repeated.
- * (Sobel, Feldman: A 3x3 isotropic gradient operator for image processing, 1968.)
+ * A step of n codes across a straight edge has a magnitude of 4n. Beyond the picture's border its outermost pixels
+ * repeat. (Sobel, Feldman: A 3x3 isotropic gradient operator for image processing, 1968.)
  *
- * `rows` are codes: RGB8, BGR8, RGBA8, RGBX8 or BGRX8. Groups of rows have the pixels of the whole: the rows next to
- * them are read where rows_above and rows_below (image.h) are not 0, as pupil_image_rows sets them. `out` has the same
- * format and size, and is not in the same memory. The fourth byte is copied. `edges`, unless NULL, becomes the
+ * `rows` are codes: RGB8, BGR8, RGBA8, RGBX8 or BGRX8. Groups of rows give the same pixels as the whole: the rows next
+ * to them are read where rows_above and rows_below (image.h) are not 0, as pupil_image_rows sets them. `out` has the
+ * same format and size, and does not overlap `rows`. The fourth byte is copied. `edges`, unless NULL, becomes the
  * number of pixels on edges: a measure of sharpness. Integers alone: the same bits everywhere.
  *
  * PUPIL_ERR_NULL, _PIXEL (rows), _PIXEL_OUT (out has another format), _SIZE, _STRIDE; PUPIL_ERR_VALUE: threshold. */

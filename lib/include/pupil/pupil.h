@@ -61,18 +61,17 @@ PUPIL_API int pupil_reset(pupil_t *pupil);
 
 /* --- a frame at once --- */
 
-/* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of
- * a mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame without any weight
- * leaves the level as it is; before the first valid frame it is mapped at the key itself (scale 1).
+/* Meters, adapts and maps one frame in the configured order. `in` and `out` have the same size and do not overlap (of a
+ * mosaic, `out` may have half the width and height). `info` may be NULL (nothing known). A frame without any weight
+ * leaves the level as it is; before the first valid frame, such a frame is mapped at the key itself (scale 1).
  */
 PUPIL_API int pupil_process(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info,
                             const pupil_image *out);
 
 /* pupil_process without a picture: meters the whole frame and adapts to it. The state is then the same to the bit, so
- * pupil_get_exposure, pupil_get_stats and pupil_get_curve answer as after pupil_process. For a camera whose exposure is
- * controlled, a level that is only displayed, or a picture that something else maps. Metering alone, without
- * adaptation, is pupil_meter_rows with all rows. As every call that takes a `pupil_t *`, it must be the only one on its
- * object. PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
+ * pupil_get_exposure, pupil_get_stats and pupil_get_curve answer as after pupil_process. Use it to control the exposure
+ * of a camera, to display only a level, or where something else maps the picture. Metering alone, without adaptation,
+ * is pupil_meter_rows with all rows. PUPIL_ERR_ORDER between pupil_frame_begin and pupil_frame_end. */
 PUPIL_API int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info);
 
 /* --- a frame as its rows arrive --- */
@@ -88,29 +87,29 @@ PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, ui
 PUPIL_API int pupil_frame_end(pupil_t *pupil);
 PUPIL_API int pupil_frame_cancel(pupil_t *pupil);
 
-/* --- the seam: any worker meters, one place adapts, any worker maps --- */
+/* --- in parts: any worker meters, one place adapts, any worker maps --- */
 
 /* What a mapper needs. With v the frame's value and Lv its luminance:
  *     u = scale * Lv,   display RGB = v * scale * (1 + u * inverse_white_squared) / (1 + u)
  * (Reinhard, Stark, Shirley, Ferwerda: Photographic Tone Reproduction for Digital Images, 2002, equations 3 and 4.)
- * Lv counts as 0..2^30 and a component of v as 0..2^31 here; where Lv is NaN the pixel is black.
+ * Here Lv is clamped to 0..2^30 and a component of v to 0..2^31; where Lv is NaN the pixel is black.
  *
- * A result beyond the display's gamut becomes darker and paler until it fits; its hue stays. D is its luminance, m its
+ * A colour beyond the display's gamut becomes darker and paler until it fits; its hue stays. D is its luminance, m its
  * largest component, x = (m - D) / (1 - D) its distance from the grey of D (1: the gamut's surface). Where x > k its
  * largest component becomes
  *     M = min(1, D + (1 - D) * (k + (x - k) / (1 + gamut * (m / (1 - D) - k)))),   k = PUPIL_GAMUT_KNEE
- * and where gamut is 0 and m > 1, 1: nothing inside the gamut moves. For that the cube roots of the responses of
- * Oklab's cones (Ottosson 2020; 1 for white; BT.709's where config.rgb_to_xyz has none) go toward that of the second
- * cone, of middle wavelengths, by min(1, D^3 * (m - M) / (M * (m - D))) of the way. Then all components are scaled so
- * that the largest is M. Components below 0 become 0. From D = 1 on the pixel is white. */
+ * Where gamut is 0, M is 1 if m > 1, and colours inside the gamut do not change. To reach M, the cube roots of the
+ * responses of Oklab's cones (Ottosson 2020; 1 for white; BT.709's where config.rgb_to_xyz has none) move toward that
+ * of the second cone, of middle wavelengths, by min(1, D^3 * (m - M) / (M * (m - D))) of the way. Then all components
+ * are scaled so that the largest is M. Components below 0 become 0. From D = 1 on the pixel is white. */
 #define PUPIL_GAMUT_KNEE 0.85f
 
 /* A curve as a table (config.h, pupil_curve_kind): knot k is at the luminance (1 + (k % 8) / 8) * 2^(k / 8) /
- * knot_scale (k / 8 being whole stops): eight a stop, as the bins of the histogram, over 16 stops, of which the adapted
- * level is within 1.5 stops of the middle. It holds the root of display luminance there. With t = knot_scale * Lv and g
- * between the two knots around t, linear in t, display RGB = v * knot_scale * g^2 / max(t, 1) where g is constant below
- * the first knot and above the last, so that what is darker goes to black in proportion. With levels, g is then
- * min(floor(g * levels), levels - 1) / (levels - 1). Then the gamut, as above. */
+ * knot_scale (k / 8 being whole stops), and holds the root of display luminance there. There are eight knots a stop, as
+ * the bins of the histogram, over 16 stops; the adapted level is within 1.5 stops of their middle. With g interpolated
+ * between the two knots around t = knot_scale * Lv, linearly in t, display RGB = v * knot_scale * g^2 / max(t, 1).
+ * Below the first knot and above the last g is constant, so darker light goes to black in proportion. With levels, g is
+ * then min(floor(g * levels), levels - 1) / (levels - 1). The gamut is then as above. */
 #define PUPIL_CURVE_KNOTS 128
 typedef struct pupil_curve {
     uint32_t size_bytes;           /* abi.h; or 0 */
@@ -119,20 +118,19 @@ typedef struct pupil_curve {
     float gamut;                   /* 1 / (1 - k) - 1 / (W - k): a component of W at D = 0 becomes 1; 0 where W <= 1;
                                     * 0..16 */
     uint32_t dither;               /* config.dither */
-    uint32_t first_row;            /* for pupil_map_rows: which of the frame's rows its first one is, so that dither is
-                                    * the same in parts as in the whole (pupil_fused_rows has its own). The rows are
-                                    * those of the input, also where a mosaic is mapped to half its size;
-                                    * 0..PUPIL_MAX_SIDE_PX - 1 */
-    float rods;                    /* the share of what rods see in the picture, 0..1; above 0 only with PUPIL_LAW_EYE.
-                                    * v is then (1 - rods) * v + rods * (v's light for rods) * blue, in the picture's
-                                    * primaries. An object of another law leaves it out */
+    uint32_t first_row;            /* for pupil_map_rows: the frame's row that `rows` begins with, so that dither is the
+                                    * same in parts as in the whole (pupil_fused_rows has its own). Rows of the input
+                                    * count, also where a mosaic is mapped to half its size; 0..PUPIL_MAX_SIDE_PX - 1 */
+    float rods;                    /* the share of the rods' light in the picture, 0..1; above 0 only with
+                                    * PUPIL_LAW_EYE. v is then (1 - rods) * v + rods * (v's light for rods) * blue, in
+                                    * the picture's primaries. An object of another law ignores it */
     uint32_t knots;                /* 0: Reinhard's curve, as above; PUPIL_CURVE_KNOTS: by knot[] */
     uint32_t levels;               /* 0; or with knots, how many: 2..256 */
     float knot_scale;              /* 1 / the luminance of knot[0], in the frame's units; 0..2^60 */
     float knot[PUPIL_CURVE_KNOTS]; /* 0..1; read only where knots is not 0 */
 } pupil_curve;
 
-/* Meters a group of whole rows of a frame of `frame_height` rows, the first being row `first_row`, and adds them to
+/* Meters a group of whole rows, which begins at row `first_row` of a frame of `frame_height` rows, and adds them to
  * `stats`, which pupil_stats_clear began. Workers have their own stats and merge them with pupil_stats_add. */
 PUPIL_API int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
                                uint32_t frame_height, pupil_stats *stats);
@@ -140,7 +138,7 @@ PUPIL_API int pupil_meter_rows(const pupil_t *pupil, const pupil_image_const *ro
 /* The only place where time passes: takes a frame's statistics, from any meter, and moves the adapted level. */
 PUPIL_API int pupil_adapt(pupil_t *pupil, const pupil_stats *stats, const pupil_frame_info *info);
 
-/* Maps rows. No row knows of another, so any part of a frame is mapped as the whole would be. */
+/* Maps rows, each independently, so any part of a frame is mapped as the whole would be. */
 PUPIL_API int pupil_map_rows(const pupil_t *pupil, const pupil_curve *curve, const pupil_image_const *rows,
                              const pupil_image *out);
 
@@ -192,7 +190,7 @@ typedef struct pupil_exposure {
     uint32_t state;      /* a pupil_state */
     uint32_t reason;     /* a pupil_reason */
     /* PUPIL_LAW_EYE; else 0 */
-    double cone_cd_m2, rod_cd_m2;     /* the light that cones and rods are set for by their neural filters */
+    double cone_cd_m2, rod_cd_m2;     /* the light to which their neural filters have adapted cones and rods */
     double cone_pigment, rod_pigment; /* the share of each pigment that is not bleached, 0..1 */
     double rods;                      /* the share of the rods in the response to the last frame's light, 0..1 */
 } pupil_exposure;
@@ -222,8 +220,8 @@ static inline int pupil_curve_before_light(const pupil_t *pupil, pupil_curve *cu
     return pupil_curve_before_light_sized(pupil, curve, sizeof *curve);
 }
 
-/* The statistics of the last frame that pupil_process, pupil_meter or pupil_frame_end metered; none where it was
- * dropped. Between pupil_frame_begin and pupil_frame_end: of the rows so far. */
+/* The statistics of the last frame that pupil_process, pupil_meter or pupil_frame_end metered; of no pixels if that
+ * frame was dropped. Between pupil_frame_begin and pupil_frame_end: of the rows so far. */
 PUPIL_API int pupil_get_stats_sized(const pupil_t *pupil, pupil_stats *stats, size_t stats_bytes);
 static inline int pupil_get_stats(const pupil_t *pupil, pupil_stats *stats)
 {

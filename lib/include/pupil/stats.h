@@ -1,7 +1,7 @@
-/* pupil/stats.h: the statistics of a frame, and the seam that everything else attaches to.
+/* pupil/stats.h: the statistics of a frame, the interface between metering and adaptation.
  *
  * Statistics are integers, so merging is exact and does not depend on the order. Groups of whole rows can be metered
- * anywhere (threads, another machine, a GPU). Their sum has the bits of the frame metered at once.
+ * anywhere (threads, another machine, a GPU). Their sum has the same bits as the whole frame metered at once.
  *
  * What a pixel counts as. L = wr R + wg G + wb B in binary32, without fused multiply-add, in that order. Negative
  * components count as they are. A 16-bit sample of RGB is code * (1 / 65535) there, an 8-bit one the nearest binary32
@@ -35,8 +35,8 @@ extern "C" {
 #define PUPIL_HISTOGRAM_MIN_EV        (-32)
 #define PUPIL_HISTOGRAM_BINS          512
 
-/* Which pixels are counted: config.histogram_step. Each has the weight of all that it was chosen from, so the sum of a
- * whole frame's bins is that of all weights. Of some of its rows it may be more or less, or 0. */
+/* config.histogram_step says which pixels are counted. Each counts with the weight of all pixels that it represents, so
+ * a whole frame's bins sum to its weight. For some of its rows the sum may be more or less than theirs, or 0. */
 
 /* A second, coarser histogram, of each pixel's brightest channel: 4 bins a stop over the same 64 stops. The channel is
  * clamped as L is, and counts as the floor where L is NaN. A white point must leave room for the brightest channel,
@@ -60,16 +60,16 @@ typedef struct pupil_stats {
     uint64_t bad;           /* pixels */
     int64_t log2_sum;       /* sum of weight x log2 L, whole stops, rounded down ... */
     uint64_t log2_frac;     /* ... and the rest in 2^-40 stops, below 2^40 */
-    uint32_t rows;          /* rows metered so far, and those that config.meter_rows left out of them */
+    uint32_t rows;          /* rows so far, including those that config.meter_rows left out */
     uint32_t frame_height;  /* rows of the whole frame; 0 while empty */
-    uint32_t has_histogram; /* 1 where bins were gathered */
+    uint32_t has_histogram; /* 1 if bins were gathered */
     float peak;             /* the brightest channel of any counted pixel; 0 without one */
     uint64_t bin[PUPIL_HISTOGRAM_BINS]; /* weights, by luminance */
-    uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel (config.h, pupil_output_primaries: whose) */
-    int64_t channel_sum[3]; /* mosaics, with config.grey_world: of red, green and blue, sums of four times the samples
-                             * above black (rounded to a quarter of a code), over ... */
-    uint64_t channel_quads; /* ... the quads of a weight above 0 with each channel below the coding's white; unweighted,
-                             * regardless of config.clip and the balance */
+    uint64_t peak_bin[PUPIL_PEAK_BINS]; /* weights, by brightest channel (of which primaries: pupil_output_primaries) */
+    int64_t channel_sum[3]; /* mosaics, with config.grey_world: sums for red, green and blue of four times the samples
+                             * less black (rounded to a quarter of a code), over ... */
+    uint64_t channel_quads; /* ... the quads of a weight above 0 whose channels are all below the coding's white;
+                             * unweighted, regardless of config.clip and the balance */
     int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
     uint32_t band_pixels[PUPIL_BANDS];  /* their number */
 } pupil_stats;
@@ -91,10 +91,10 @@ PUPIL_API int pupil_stats_add(pupil_stats *sum, const pupil_stats *more);
  * any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
 PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance);
 
-/* The luminance (log2, frame units) that the share q (0..1) of the weight is below, interpolated within a bin. */
+/* The luminance (log2, frame units) below which the share q (0..1) of the weight is, interpolated within a bin. */
 PUPIL_API int pupil_stats_quantile(const pupil_stats *stats, double q, double *log2_luminance);
 
-/* The same of the brightest channel; never above `peak`. */
+/* The same for the brightest channel; never above `peak`. */
 PUPIL_API int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_peak);
 
 /* The factors that make the average of a mosaic's channels grey, the least being 1: for pupil_coding.balance. They do

@@ -1,8 +1,8 @@
 /* pupil/veil.h: veiling glare, the light that scatters in an eye or a lens and lifts the whole picture.
  *
- * When not to use it: on pictures of a camera. Its lens and sensor have put their own veiling glare in already, and a
+ * When not to use it: on pictures of a camera. Its lens and sensor have added their own veiling glare already, and a
  * second one only costs contrast. It is for pictures without a lens: rendered ones, and HDR ones that were merged and
- * corrected for glare, where a lamp is to look as bright to the viewer as it was to an eye at the scene.
+ * corrected for glare, in which a lamp should look as bright as it did to an eye at the scene.
  *
  *     pupil_veil_config config;
  *     pupil_veil_config_default(&config);
@@ -19,22 +19,22 @@
  *
  * The picture that is mapped is, in linear light,
  *     direct * v(x, y) + sum over all pixels of v(x', y') * PSF(distance)
- * where PSF is the wide part of a point spread function (PSF) and `direct` what it leaves in place, so that light is
- * moved and not made. What is scattered beyond the picture's edges is lost, and nothing comes from there.
+ * where PSF is the wide part of a point spread function (PSF) and `direct` the share that stays in place. So light is
+ * moved and none is added. Light scattered beyond the picture's edges is lost, and no light comes from there.
  *
  * The wide part. A PSF is a sum of Gaussians (lobes), their standard deviations a factor of 1.6 apart. Those of
- * pupil_veil_result.narrowest_px and more are the veil, a tenth or a little less of the picture's long side, and 2
- * pixels or more. The narrower ones are bloom: they stay in place here, and pupil_veil_result lists them for who blurs
- * the picture with them. Angles are flat, as the picture is: right in its middle, and wrong at the edges of wide ones.
- * Where an eye would make light of that (from a hundred degrees or so on), all its lobes are so much weaker.
+ * pupil_veil_result.narrowest_px and more are the veil; narrowest_px is a tenth of the picture's long side or a little
+ * less, and 2 pixels or more. The narrower ones are bloom: their light stays in place here, and pupil_veil_result lists
+ * them for bloom.h. Angles are flat, as the picture is: right in its middle, and wrong at the edges of wide ones. Where
+ * this would add light (with an eye from a hundred degrees or so on), all lobes are weakened so that it does not.
  *
  * How: the frame is gathered into 64 x 64 cells, each with the sums of its light and their first moments, so that a
  * lamp that moves makes no steps. The veil is a Fourier series with a period of twice the picture (config.period), so
- * that no light comes round from the other edge. All lobes are in one table of its coefficients. It is evaluated at
- * 65 x 65 nodes, and is bilinear between them. So neither the number of lights nor that of lobes changes what a frame
- * costs. Errors against the sum over all pixels: docs/look.md.
+ * that no light wraps around from the other edge. One table of coefficients has all lobes. The series is evaluated at
+ * 65 x 65 nodes, and is bilinear between them. So a frame's cost does not depend on the number of lights or lobes.
+ * Errors against the sum over all pixels: docs/look.md.
  *
- * Known lights may be added as a formula (pupil_veil_add_bells): each is a bell on the picture, as of lens ghosts.
+ * Known lights, such as lens ghosts, may be added by formula (pupil_veil_add_bells): each is a bell on the picture.
  *
  * Units: pixels are counted from the picture's upper left corner; the first one's middle is at (0.5, 0.5). Light is in
  * the frame's unit (image.h: White).
@@ -66,7 +66,7 @@ typedef enum pupil_veil_psf {
                              * Glare Effects for Digital Images, 1995:
                              *     0.384 * 2.61e6 exp(-(t/0.02)^2)
                              *     + 0.478 * 20.91/(t + 0.02)^3 + 0.138 * 72.37/(t + 0.02)^2
-                             * The lenticular halo, which is coloured, is not in it */
+                             * The lenticular halo, which is coloured, is left out */
     PUPIL_VEIL_CIE,         /* CIE 135/1:1999 and 146:2002, by age A and pigment p (Vos, van den Berg: Report on
                              * Disability Glare, 1999, total glare function):
                              *     (1 - 0.08 a) (9.2e6/(1 + (t/0.0046)^2)^1.5 + 1.5e5/(1 + (t/0.045)^2)^1.5)
@@ -82,7 +82,8 @@ typedef enum pupil_veil_psf {
 #define PUPIL_VEIL_CELLS          64u
 #define PUPIL_VEIL_NODES          65u
 
-/* exp(-r^2 / (2 sigma^2)), whose integral over the plane is `weight` of the light. Frozen: elements of arrays. */
+/* exp(-r^2 / (2 sigma^2)), scaled so that its integral over the plane is `weight` of the light. Frozen: elements of
+ * arrays. */
 typedef struct pupil_veil_gaussian {
     double sigma; /* degrees in the configuration, pixels in the result */
     double weight;
@@ -92,15 +93,15 @@ typedef struct pupil_veil_config {
     uint32_t size_bytes;    /* abi.h; filled in by pupil_veil_config_default */
     uint32_t psf;           /* a pupil_veil_psf; Spencer */
     uint32_t width, height; /* of every frame, pixels, 1..PUPIL_MAX_SIDE_PX; to be chosen */
-    double fov_deg;         /* the angle from the picture's left to its right edge, seen from where it was taken, in
-                             * degrees; 54, as of a 35 mm lens on small film; 0.1..150 */
+    double fov_deg;         /* the angle from the picture's left to its right edge, seen from the camera, in degrees;
+                             * 54, as of a 35 mm lens on small film; 0.1..150 */
     double age_years;       /* CIE: 25; 1..120 */
     double pigment;         /* CIE: of the iris, 0 black, 0.5 brown, 1 blue, 1.2 very light; 0.5; 0..1.2 */
-    double period;          /* of the series, in widths and heights; 2, and no less with a PSF; 1..4 */
+    double period;          /* of the series, in widths and heights; 2, the least with a PSF; 1..4 */
     uint32_t harmonics;     /* of the series in x and in y; 16; 1..PUPIL_VEIL_MOST_HARMONICS */
     uint32_t gaussians;     /* PUPIL_VEIL_GAUSSIANS: how many; 0 is no PSF at all, for pupil_veil_add_bells alone */
     pupil_veil_gaussian gaussian[PUPIL_VEIL_MOST_GAUSSIANS]; /* sigma 1e-4..180 degrees, weight 0..1, together 1 at
-                                                              * most; what is left of 1 stays in place */
+                                                              * most; the rest of 1 stays in place */
 } pupil_veil_config;
 
 /* Fills in every field with its default. */
@@ -123,7 +124,7 @@ typedef union pupil_veil {
     uint64_t private_words[PUPIL_VEIL_OBJECT_BYTES / 8];
 } pupil_veil;
 
-/* What is gathered of a frame's light, or of some of its rows. */
+/* The gathered light of a frame, or of some of its rows. */
 typedef union pupil_veil_light {
     uint64_t private_words[PUPIL_VEIL_LIGHT_BYTES / 8];
 } pupil_veil_light;
@@ -139,11 +140,11 @@ PUPIL_API int pupil_veil_init(pupil_veil *veil, const pupil_veil_config *config)
 
 #define PUPIL_VEIL_MOST_LOBES 32u
 typedef struct pupil_veil_result {
-    uint32_t size_bytes;   /* abi.h */
-    uint32_t lobes;        /* how many of `lobe` */
-    double direct;         /* the share of light that stays in place, that of `lobe` included */
-    double narrowest_px;   /* standard deviation of the veil's narrowest lobe */
-    double degrees_per_px; /* in the picture's middle */
+    uint32_t size_bytes;                             /* abi.h */
+    uint32_t lobes;                                  /* how many of `lobe` */
+    double direct;                                   /* the share of light that stays in place, with that of `lobe` */
+    double narrowest_px;                             /* standard deviation of the veil's narrowest lobe */
+    double degrees_per_px;                           /* in the picture's middle */
     pupil_veil_gaussian lobe[PUPIL_VEIL_MOST_LOBES]; /* the narrower ones, of 0.12 pixels and more, from wide to narrow:
                                                       * bloom. Sigma in pixels */
 } pupil_veil_result;
@@ -165,7 +166,7 @@ PUPIL_API int pupil_veil_light_clear(pupil_veil_light *light);
 PUPIL_API int pupil_veil_gather_rows(const pupil_veil *veil, const pupil_t *pupil, const pupil_image_const *rows,
                                      uint32_t first_row, pupil_stats *stats, pupil_veil_light *light);
 
-/* Adds what another worker gathered. PUPIL_ERR_ROWS: together more rows than the frame has. */
+/* Adds another worker's light. PUPIL_ERR_ROWS: together more rows than the frame has. */
 PUPIL_API int pupil_veil_light_add(pupil_veil_light *light, const pupil_veil_light *other);
 
 /* --- the series --- */
@@ -173,7 +174,7 @@ PUPIL_API int pupil_veil_light_add(pupil_veil_light *light, const pupil_veil_lig
 /* A new frame: no light. */
 PUPIL_API int pupil_veil_begin(pupil_veil *veil);
 
-/* Adds the veil of a frame's light. PUPIL_ERR_ROWS: not each of its rows is there. */
+/* Adds the veil of a frame's light. PUPIL_ERR_ROWS: some of its rows are missing. */
 PUPIL_API int pupil_veil_add_light(pupil_veil *veil, const pupil_veil_light *light);
 
 /* Bells of height 1 around (0, 0), R being the radius. */
@@ -193,15 +194,15 @@ typedef struct pupil_veil_spot {
     uint32_t reserved; /* 0 */
 } pupil_veil_spot;
 
-/* Adds bells of one shape and radius. What a pixel costs does not depend on `count`; each bell costs its
- * (2 harmonics + 1)^2 terms. The series reaches further than its harmonics only as far as they go: docs/look.md has the
- * errors. PUPIL_ERR_VALUE: a value out of range, or a spot that would come round from the other edge: each x_px + R is
- * at most the period's (config.period * width) and x_px - R at least the width less it; y likewise (but of bands). */
+/* Adds bells of one shape and radius. The cost of a pixel does not depend on `count`; each bell costs its
+ * (2 harmonics + 1)^2 terms. The harmonics limit how exact a bell is: docs/look.md has the errors. PUPIL_ERR_VALUE: a
+ * value out of range, or a spot that would wrap around from the other edge: x_px + R may be at most the period
+ * (config.period * width), x_px - R at least the width less the period; y likewise (not for bands). */
 PUPIL_API int pupil_veil_add_bells(pupil_veil *veil, uint32_t bell, double radius_px, const pupil_veil_spot *spot,
                                    size_t count);
 
-/* Evaluates what was added at the nodes, from where pupil_veil_map_rows and pupil_veil_get_nodes take it. Values below
- * 0, which a series has around steep bells, become 0. */
+/* Evaluates the series at the nodes, which pupil_veil_map_rows and pupil_veil_get_nodes use. Values below 0, which a
+ * series has around steep bells, become 0. */
 PUPIL_API int pupil_veil_solve(pupil_veil *veil);
 
 /* --- the picture --- */
@@ -217,7 +218,7 @@ PUPIL_API int pupil_veil_map_rows(const pupil_veil *veil, const pupil_t *pupil, 
 
 /* The series itself at the middles of the pixels of rows first_row to first_row + count, without nodes: 3 * width
  * floats a row. For studies, and for bells that are too narrow for nodes: a pixel's channel costs 2 * harmonics + 1
- * multiplications. Values below 0 are left. */
+ * multiplications. Values below 0 are kept. */
 PUPIL_API int pupil_veil_evaluate_rows(pupil_veil *veil, uint32_t first_row, uint32_t count, float *rgb);
 
 #ifdef __cplusplus
