@@ -85,7 +85,7 @@ typedef enum pupil_row_gain_reason {
     PUPIL_ROW_GAIN_LONG,       /* the exposure is nine tenths of a flicker period, or more */
     PUPIL_ROW_GAIN_STATIONARY, /* the bands do not move in the picture: they cannot be distinguished from the scene */
     PUPIL_ROW_GAIN_NO_FLICKER, /* there is no flicker */
-    PUPIL_ROW_GAIN_MIXED,      /* parts of the picture have no such wave, or another one */
+    PUPIL_ROW_GAIN_MIXED,      /* parts of the picture do not have the wave, or have another one */
     PUPIL_ROW_GAIN_DISTURBED,  /* this frame does not have the wave */
     PUPIL_ROW_GAIN_REASON_COUNT
 } pupil_row_gain_reason;

@@ -140,11 +140,11 @@ PUPIL_API int pupil_veil_init(pupil_veil *veil, const pupil_veil_config *config)
 
 #define PUPIL_VEIL_MOST_LOBES 32u
 typedef struct pupil_veil_result {
-    uint32_t size_bytes;                             /* abi.h */
-    uint32_t lobes;                                  /* how many of `lobe` */
-    double direct;                                   /* the share of light that stays in place, with that of `lobe` */
-    double narrowest_px;                             /* standard deviation of the veil's narrowest lobe */
-    double degrees_per_px;                           /* in the picture's middle */
+    uint32_t size_bytes;   /* abi.h */
+    uint32_t lobes;        /* how many of `lobe` */
+    double direct;         /* the share of light that stays in place, including that of `lobe` */
+    double narrowest_px;   /* standard deviation of the veil's narrowest lobe */
+    double degrees_per_px; /* in the picture's middle */
     pupil_veil_gaussian lobe[PUPIL_VEIL_MOST_LOBES]; /* the narrower ones, of 0.12 pixels and more, from wide to narrow:
                                                       * bloom. Sigma in pixels */
 } pupil_veil_result;
