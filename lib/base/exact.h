@@ -6,7 +6,7 @@
 
 #include <float.h>
 
-/* C11, 5.2.4.2.2: 0: each operation rounds to its own type. x87 has 2, s390x by -std=c11 1. */
+/* C11, 5.2.4.2.2: 0: each operation rounds to its own type. x87 has 2, s390x with -std=c11 has 1. */
 #if !defined(FLT_EVAL_METHOD) || FLT_EVAL_METHOD != 0
 #error "pupil: float operations keep more digits than float (FLT_EVAL_METHOD is not 0), so the bits would be others. \
 On x86 of 32 bits compile with -msse2 -mfpmath=sse, on s390x with -fexcess-precision=fast"
@@ -19,8 +19,8 @@ On x86 of 32 bits compile with -msse2 -mfpmath=sse, on s390x with -fexcess-preci
 Compile without it"
 #endif
 
-/* A product and a sum round twice. GCC contracts them unless it is given -std=c11 or the like, or -ffp-contract=off, of
- * which no macro says that it was. */
+/* A product and a sum round twice. GCC contracts them unless it is given -std=c11 or the like, or -ffp-contract=off,
+ * which no macro reports. */
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && !defined(__STRICT_ANSI__) && !defined(PUPIL_NO_CONTRACTION) &&                              \

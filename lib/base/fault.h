@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* A condition on a field, and the sentence that a caller reads where it does not hold. Write the condition as what is
- * wanted, never as the opposite of what is refused: then NaN, for which every comparison is false, is refused. */
+/* A condition on a field, and the sentence that a caller reads where it does not hold. Write the condition that is
+ * wanted, never the negation of the one that is refused: then NaN, for which every comparison is false, is refused. */
 typedef struct pupil_rule {
     int holds;
     const char *sentence;

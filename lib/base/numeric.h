@@ -64,7 +64,7 @@ double pupil_one_minus_exp(double x);
 /* The cosine and the sine of 2 pi x, for |x| < 2^31; absolute error below 1e-8 (at half a turn). */
 void pupil_turn(double x, double cos_sin[2]);
 
-/* The same to 1e-15, for more time: |turns| < 2^50. */
+/* The same to 1e-15, but slower: |turns| < 2^50. */
 void pupil_circle(double turns, double *cosine, double *sine);
 
 /* The nearest integer; |x| < 2^62. */

@@ -6,7 +6,7 @@
 
 typedef struct pupil_pixel_layout {
     uint8_t bytes, unit; /* `unit` pixels have `bytes` bytes in `data`; 0, 0: no such format */
-    uint8_t sample;      /* bytes that an address is a multiple of */
+    uint8_t sample;      /* alignment of addresses, bytes */
     uint8_t bits;        /* of a grey or mosaic format's samples; 0: others */
     uint8_t mosaic;
     uint8_t planes;                      /* 1; 2 with `chroma`; 3 with `cr`, too */

@@ -16,8 +16,9 @@ const char *pupil_versioned_fault(const void *theirs, size_t size_bytes, size_t 
 const char *pupil_versioned_read(void *ours, size_t our_bytes, size_t first_bytes, const void *theirs,
                                  size_t size_bytes);
 
-/* Copies ours to a caller's struct of `their_bytes`, and sets its size_bytes to that. What it has no room for is left
- * out, what ours lacks is 0. PUPIL_ERR_SIZE_BYTES if it has no room for size_bytes itself: nothing is written. */
+/* Copies ours to a caller's struct of `their_bytes`, and sets its size_bytes to that. Fields that it has no room for
+ * are left out, fields that ours lacks become 0. PUPIL_ERR_SIZE_BYTES if it has no room for size_bytes itself: nothing
+ * is written. */
 int pupil_versioned_write(void *theirs, size_t their_bytes, const void *ours, size_t our_bytes);
 
 #endif

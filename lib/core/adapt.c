@@ -12,25 +12,25 @@
 #define EYE_WHITE_S 0.08
 
 #define SETTLED_EV 0.05 /* from the target: pupil.h, PUPIL_STATE_SETTLED */
-/* Between these times highlight_share the highlights begin to hold the level; docs/pictures.md. */
+/* Between these multiples of highlight_share the highlights begin to hold the level; docs/pictures.md. */
 #define HIGHLIGHT_LEAST 0.8
 #define HIGHLIGHT_MOST  1.6
-/* What no white point keeps below white: the last sRGB code begins at 0.99554 = 223 / 224, so Reinhard's curve has it
- * from light of 223 on, 10.275 stops over a key of 0.18. Up to 1 % of the frame may be so bright; half of that is above
- * the white point, too. */
+/* Light that is white with any white point: the last sRGB code begins at 0.99554 = 223 / 224, which Reinhard's curve
+ * reaches at light of 223, 10.275 stops over a key of 0.18. Up to 1 % of the frame may be so bright; half of that is
+ * above the white point, too. */
 #define WHITE_ROOM_EV 10.275
 #define WHITE_LEAST   0.005
 #define WHITE_MOST    0.01
 
-/* config.h, amplification_ev: log2 of 0.18, which the level is to be at least so many stops below; and of the code that
- * has no more stops than those, the first of 12 bits of linear light, which the first of 8-bit sRGB is near. */
+/* config.h, amplification_ev: log2 of 0.18, from which the limit is counted down; and of the light below which a first
+ * code lowers the limit further: that of 12 bits of linear light, which the first of 8-bit sRGB is near. */
 #define MID_GREY_EV  (-2.473931188332412)
 #define FULL_CODE_EV (-12.0)
 /* A stop below the largest luminance, stats.h: about half of the frame is there. */
 #define MOST_MEAN_EV 29.0
 
-/* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. From 10 frames a second on, us that are taken for ns are
- * less than this apart; ms and seconds always are. */
+/* pupil.h, PUPIL_REASON_CLOCK_UNIT: 10000 frames a second. At 10 frames a second or more, timestamps in us that are
+ * read as ns are less than this apart; ms and seconds always are. */
 #define LEAST_STEP_S 1e-4
 
 /* A step of w of the way from s to t, at least one unit where w > 0. */
@@ -46,7 +46,7 @@ static pupil_level_q52 approach(pupil_level_q52 s, pupil_level_q52 t, double w)
     return (pupil_level_q52)(t > s ? (uint64_t)s + step : (uint64_t)s - step);
 }
 
-/* The same for positive doubles, whose bits are in their order. */
+/* The same for positive doubles, whose bits sort as their values do. */
 static double approach_linear(double s, double t, double w)
 {
     if (w >= 1.0 || s == t)
@@ -62,7 +62,7 @@ static double approach_linear(double s, double t, double w)
     return next > t ? next : t;
 }
 
-/* From 1 stop on a double is a whole number of units as it is. */
+/* From 1 stop on a double is a whole number of units already, so only smaller ones are rounded. */
 pupil_level_q52 pupil_level_of(double stops)
 {
     double scaled = stops * 0x1p52;
@@ -183,7 +183,8 @@ double pupil_exposure_log2(const pupil_config *c, const pupil_adaptation *a, con
     return taken_with - pupil_log2(c->calibration);
 }
 
-/* The level is the light's own where the eye is at rest, and beyond what it tells apart as far off as at the end. */
+/* For an eye at rest the level is that of the light. Light beyond the eye's range keeps the offset of the range's
+ * end. */
 static void move_eye(pupil_object *object, double target_ev, double dt_s)
 {
     const pupil_config *c = &object->config;
@@ -292,7 +293,7 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
     if (error || !stats->weight)
         return error;
     if (stats->has_histogram && !pupil_stats_are_counted(stats))
-        return PUPIL_ERR_STATS; /* of some rows only, and of none that is counted */
+        return PUPIL_ERR_STATS; /* of some rows only, none of which is counted */
     error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
         error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);

@@ -1,4 +1,4 @@
-/* A pupil_coding: whether it is right, and as factors for the kernels. */
+/* A pupil_coding: its check, and its factors for the kernels. */
 #include "object.h"
 
 #include "base/fault.h"
@@ -22,7 +22,7 @@ static int all_within(const float *x, int count, double low, double high)
     return 1;
 }
 
-/* Of knees whose number is right. White 0 is that of some format: fault_for looks at it. */
+/* The number of knees has been checked. White 0 depends on the format: fault_for checks it. */
 static const char *knee_fault(const pupil_coding *c)
 {
     double code = (double)c->black, light = 0x1p-30;
@@ -113,7 +113,8 @@ static void from_yuv(const pupil_coding *coding, uint32_t bits, pupil_coder *c)
     const float kr = luma_of_matrix[coding->matrix][0];
     const float kb = luma_of_matrix[coding->matrix][1];
     const float kg = 1.0f - kr - kb;
-    const float one = (float)(1u << (bits - 8)), all = (float)((1u << bits) - 1); /* one of 8 bits; the largest code */
+    const float one = (float)(1u << (bits - 8)), all = (float)((1u << bits) - 1); /* a code of 8 bits; the largest
+                                                                                   * code */
     const int full = coding->range == PUPIL_RANGE_FULL;
     const float chroma = c->top / (full ? all : 224.0f * one);
     c->y_zero = full ? 0.0f : 16.0f * one;
@@ -177,7 +178,7 @@ static void from_mosaic(const pupil_coding *coding, uint32_t bits, pupil_coder *
         c->unit4[i] = unit_to(balance[i], c->full4 - c->zero4);
         c->most = balance[i] < c->most ? balance[i] : c->most;
     }
-    if (coding->knees) { /* factors of light: no code is multiplied */
+    if (coding->knees) { /* factors apply to light, not to codes */
         from_knees(coding, bits, c);
         for (int i = 0; i < 3; i++)
             c->unit4[i] = balance[i];
@@ -223,7 +224,7 @@ void pupil_coder_make(const pupil_coding *coding, uint32_t pixel, pupil_coder *c
         from_grey(coding, pupil_pixel_bits(pixel), c);
 }
 
-/* Of a value 0..top of the coder's curve. */
+/* The light of a value 0..top of the coder's curve. */
 static float light_at(const pupil_coder *c, float value)
 {
     const int below = (int)value;
@@ -261,7 +262,7 @@ static float magnitude(float x)
     return x < 0.0f ? -x : x;
 }
 
-/* Four codes of room for what is rounded. */
+/* Four codes of margin for rounding. */
 void pupil_coder_find_ordinary(pupil_coder *coder, const pupil_row_job *job)
 {
     const float most = job->clip < coder->most ? job->clip : coder->most;

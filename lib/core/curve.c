@@ -1,11 +1,11 @@
-/* The adapted level as what a mapper needs. */
+/* The adapted level as a curve for mappers. */
 #include "object.h"
 
 #include "base/numeric.h"
 #include "base/versioned.h"
 #include "core/read.h"
 
-/* A share of the rods that changes no 8-bit code by a tenth, and so is left out: by day the picture is as fast as by
+/* A smaller share of the rods changes no 8-bit code by a tenth, and is left out: by day mapping is as fast as with
  * other laws. */
 #define LEAST_RODS 0x1p-10
 

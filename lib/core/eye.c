@@ -17,8 +17,8 @@
 
 /* --- the filters --- */
 
-/* target + (value - target) exp(-x): as exact where little is left of a large value as where x is tiny. A unit in the
- * last place at least, so that it ends. */
+/* target + (value - target) exp(-x): as exact where little is left of a large value as where x is tiny. It moves by at
+ * least a unit in the last place, so that it ends. */
 static double decay(double value, double target, double x)
 {
     if (!(x > 0.0) || value == target)
@@ -26,7 +26,7 @@ static double decay(double value, double target, double x)
     const double next = target + (value - target) * (x < 700.0 ? pupil_exp2(-x * LOG2_E) : 0.0);
     if (next != value)
         return next;
-    const uint64_t bits = pupil_bits_of_double(value); /* positive, so in the order of their values */
+    const uint64_t bits = pupil_bits_of_double(value); /* positive, so bits sort as values do */
     return pupil_double_of_bits(value < target ? bits + 1 : bits - 1);
 }
 
@@ -35,8 +35,8 @@ static double unbleached(double cd_m2, double half)
     return half / (half + cd_m2);
 }
 
-/* dB/dt = (1 - B) / t - B L / (t half): bleached by light, restored with the time constant t. In a light that does not
- * change it goes to half / (half + L), the faster the brighter. */
+/* dB/dt = (1 - B) / t - B L / (t half): bleached by light, restored with the time constant t. In constant light it
+ * approaches half / (half + L), faster in brighter light. */
 static double pigment(double value, double cd_m2, double half, double restored_s, double dt_s)
 {
     return decay(value, unbleached(cd_m2, half), dt_s / restored_s * (1.0 + cd_m2 / half));
@@ -64,7 +64,7 @@ static double fourth(double x)
     return x * x * (x * x);
 }
 
-/* The light to which cones and rods that are set for `light` give half of their response. */
+/* The light at which cones and rods that are adapted to `light` give half of their response. */
 static double cone_half(double light, double sixth_root)
 {
     const double k4 = fourth(1.0 / (5.0 * light + 1.0)), rest = 1.0 - k4;
@@ -92,7 +92,7 @@ static double rod_half_log2(double light)
     return pupil_log2(rod_half(light, sixth_root(light)));
 }
 
-/* To faint light a response is B (L / sigma)^n. That of the sum of both is B (L / s)^n of one: log2 of s. */
+/* To faint light a response is B (L / sigma)^n. The sum of both equals one response (L / s)^n: log2 of s. */
 static double faintest_log2(const pupil_eye *eye)
 {
     const double cones = eye->cone_pigment * pupil_exp2(-EXPONENT * cone_half_log2(eye->cone_cd_m2));

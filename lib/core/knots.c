@@ -17,8 +17,8 @@
 #define MOST_OFF_EV 1
 /* PUPIL_CURVE_NORMALISE: a frame of one grey must not become noise in black and white. */
 #define LEAST_SPAN 0.25
-/* PUPIL_CURVE_ADJUST: this share is spread evenly over the frame's range, so that no light is flat; Ward Larson et al.
- * leave as much over when they trim (section 4.2). */
+/* PUPIL_CURVE_ADJUST: this share is spread evenly over the frame's range, so that the curve is flat nowhere; Ward
+ * Larson et al. leave as much over when they trim (section 4.2). */
 #define TOLERANCE 0.025
 /* Halvings until a threshold of shares, 0..1, is known to the last bit of a float. */
 #define HALVINGS 32
@@ -29,7 +29,7 @@ static double place_of(int k)
     return (double)(UINT64_C(1) << (k / A_STOP)) * (1.0 + (double)(k % A_STOP) / A_STOP);
 }
 
-/* The least that the root at knot k may be of that at knot k + 1. Between them (dg / g) / (dL / L) is steepest at knot
+/* The smallest ratio of the root at knot k to that at knot k + 1. Between them (dg / g) / (dL / L) is steepest at knot
  * k + 1, (1 - g_k / g_k+1) / (1 - L_k / L_k+1), or where it is above 1 at knot k, (g_k+1 / g_k - 1) / (L_k+1 / L_k -
  * 1); and light is g^2. */
 static double least_ratio(int k, double ceiling)
@@ -100,7 +100,7 @@ static void make_plain(const plain *p, double first_ev, float root[KNOTS])
         root[k] = (float)plain_root(p, first_ev + pupil_log2(place_of(k)));
 }
 
-/* log2 of scene luminance that the left-out shares at both ends are below. */
+/* log2 of scene luminance at the limits of the shares that are left out at both ends. */
 static void find_ends(const pupil_config *c, const pupil_knots_frame *f, double ends[2])
 {
     const double q[2] = {c->curve_share, 1.0 - c->curve_share};
@@ -109,7 +109,8 @@ static void find_ends(const pupil_config *c, const pupil_knots_frame *f, double 
     ends[1] -= f->divisor_log2;
 }
 
-/* G* = (G - G1) / (G2 - G1), where G2 - G1 is large enough; else the middle goes less far from where it is. */
+/* G* = (G - G1) / (G2 - G1) if G2 - G1 is large enough; else the gain is limited, and the middle moves less far toward
+ * 0.5. */
 static void normalise(const pupil_config *c, const pupil_knots_frame *f, double first_ev, float root[KNOTS])
 {
     const plain p = plain_of(c, f);
@@ -161,7 +162,7 @@ static void find_range(const pupil_config *c, const pupil_knots_frame *f, double
 }
 
 /* Shares below knots become the demand of the intervals in the range: their part of the weight that is not left out,
- * and of what is spread evenly. */
+ * and of the share that is spread evenly. */
 static void find_demand(const pupil_config *c, const adjusted *a, float value[KNOTS])
 {
     const double left_out = c->curve_share, whole = 1.0 - 2.0 * left_out;
@@ -176,7 +177,7 @@ static void find_demand(const pupil_config *c, const adjusted *a, float value[KN
     }
 }
 
-/* Stops from knot k to the next. Where the demand is `full`, all that the ceiling allows, as everywhere outside of the
+/* Stops from knot k to the next: all that the ceiling allows where the demand is `full`, and everywhere outside of the
  * range. */
 static double growth_of(const adjusted *a, const float demand[KNOTS], int k, double per_full)
 {
@@ -192,8 +193,8 @@ static double range_of(const adjusted *a, const float demand[KNOTS], double per_
     return sum;
 }
 
-/* 1 / (the demand that gets all that the ceiling allows), with which the frame's range is that of the display, or as
- * much of it as there is when light is as rare as only what is spread. */
+/* 1 / (the demand that gets all that the ceiling allows). The frame's range is then that of the display, or as much of
+ * it as the smallest demand gives, that of the evenly spread share alone. */
 static double find_full(const pupil_config *c, const adjusted *a, const float demand[KNOTS])
 {
     double low = TOLERANCE / (a->end - a->first), high = 1.0 + TOLERANCE;
@@ -216,7 +217,7 @@ static void adjust(const pupil_config *c, const pupil_knots_frame *f, double fir
     find_demand(c, &a, value);
     const double per_full = find_full(c, &a, value);
 
-    /* the sums of growth take the demand's place */
+    /* the sums of growth overwrite the demand */
     const double level = pupil_exp2(clamp(f->target_ev - first_ev, 0.0, KNOT_STOPS));
     double sum = 0.0, at_level = 0.0;
     for (int k = 0; k < KNOTS; k++) {
@@ -227,7 +228,7 @@ static void adjust(const pupil_config *c, const pupil_knots_frame *f, double fir
         at_level += growth * way;
     }
 
-    /* at the key, as far as both ends of the range are on the display */
+    /* at the key, unless an end of the range would then be off the display */
     const double key_log2 = pupil_scale_log2(c, f->target_ev) + f->target_ev;
     const double least = -c->curve_range_ev - (double)value[a.first], most = -(double)value[a.end];
     const double offset = clamp(key_log2 - at_level, least < most ? least : most, most);

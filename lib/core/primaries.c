@@ -61,7 +61,7 @@ static int invert(const double m[9], double inverse[9])
     return 1;
 }
 
-/* 0: a primary that no cone, or not each of them, responds to. */
+/* 0: not every cone responds to every primary. */
 static int derive_cones(const double xyz[9], pupil_cones *cones)
 {
     double from[9], to[9];
@@ -89,14 +89,14 @@ static int derive_cones(const double xyz[9], pupil_cones *cones)
     return 1;
 }
 
-/* What rods see of a light, from CIE XYZ: Pattanaik, Ferwerda, Fairchild, Greenberg, A Multiscale Model of Adaptation
- * and Spatial Vision for Realistic Image Display, 1998. And the blue that it is shown in, as XYZ of the luminance 1:
- * the chromaticity (0.25, 0.25) of Jensen et al., Night Rendering, 2000. */
+/* The rods' response to a light, from CIE XYZ: Pattanaik, Ferwerda, Fairchild, Greenberg, A Multiscale Model of
+ * Adaptation and Spatial Vision for Realistic Image Display, 1998. And the blue that it is shown in, as XYZ of the
+ * luminance 1: the chromaticity (0.25, 0.25) of Jensen et al., Night Rendering, 2000. */
 static const double rods_of_xyz[3] = {-0.702, 1.039, 0.433};
 static const double blue[3] = {1.0, 1.0, 2.0};
 
-/* A grey that is the light for rods, so scaled that white remains as bright, in the blue. Red, which rods hardly see,
- * would count a little below 0, and counts as 0. */
+/* The rods' light, scaled so that white remains as bright, in the blue. Red, which rods hardly see, would count a
+ * little below 0, and counts as 0. */
 static void derive_rods(pupil_object *object, const double xyz[9], const double picture_xyz[9])
 {
     double see[3], sum = 0.0, of_xyz[9];

@@ -58,7 +58,7 @@ int pupil_retune(pupil_t *pupil, const pupil_config *config)
     if (object->config.white_mode != PUPIL_WHITE_FOLLOW)
         object->adaptation.white_seen = 0; /* a white from before would be stale when it follows again */
     if (object->config.curve == PUPIL_CURVE_REINHARD)
-        object->adaptation.knots.seen = 0; /* as would be these */
+        object->adaptation.knots.seen = 0; /* so would the knots */
     return PUPIL_OK;
 }
 
@@ -271,7 +271,8 @@ int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_i
     return pupil_adapt(pupil, &object->stats, info ? &own : 0);
 }
 
-/* Of a frame that has been checked. Apart from its checks, because curves and images together fill the stack. */
+/* The frame has been checked. A function of its own, because the checks' curves and images would fill the stack,
+ * too. */
 static __attribute__((noinline)) void process(pupil_object *object, const pupil_image_const *in,
                                               const pupil_frame_info *info, const pupil_image *out)
 {

@@ -32,7 +32,7 @@ void pupil_metered_luma(const float luma[3], const pupil_coder *coder, float met
         metered[i] = coder->has_matrix ? (luma[0] * m[i] + luma[1] * m[3 + i]) + luma[2] * m[6 + i] : luma[i];
 }
 
-/* Whether all 16 are one: the bytes of both halves, turned by one, are the same. */
+/* Whether all 16 are equal: both halves are the same, and remain so when rotated by a byte. */
 static int is_even(const uint8_t weight[PUPIL_GRID_SIDE])
 {
     uint64_t half[2];
@@ -50,7 +50,7 @@ static inline void work_run(const pupil_row_job *job, const pupil_row *row, uint
         pupil_work_run(job, row, x, n, target, weight, band, stats);
 }
 
-/* One row of runs; width in what job->way makes of a row. target NULL: not mapped. */
+/* One row, in runs; `width` is that of the row as job->way makes it. target NULL: not mapped. */
 static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupil_row *row, uint8_t *target,
                      uint32_t width, uint32_t band, pupil_stats *stats)
 {
@@ -78,7 +78,7 @@ static void work_row(const pupil_row_job *job, const uint8_t *weight, const pupi
 #define LEAST_COUNTED 25000u
 #define LEAST_SAMPLED 16000u /* PUPIL_ACCURACY_LUMA */
 
-/* What the rows of one call are worked with. */
+/* The state of one call. */
 typedef struct work {
     const pupil_object *object;
     const pupil_image_const *in;
@@ -103,7 +103,7 @@ static uint8_t *out_row(const work *w, uint32_t i)
     return (uint8_t *)w->out->data + (ptrdiff_t)i * w->out->stride_bytes;
 }
 
-/* Row i of the call's, and of a mosaic those next to it. */
+/* Row i of the call, and for a mosaic the rows next to it. */
 static pupil_row row_of(const work *w, uint32_t i)
 {
     const pupil_image_const *in = w->in;
@@ -131,8 +131,8 @@ static uint64_t mixed(uint64_t z)
     return (z ^ (z >> 28)) * UINT64_C(0xcb24d0a5c88c35b3);
 }
 
-/* With config.meter_rows = n one of each n rows (or rows of quads) is metered: any, another one in another frame and in
- * another group of n, so that no stripe is met every time: by the frames' number and the group's. */
+/* With config.meter_rows = n one of each n rows (or rows of quads) is metered. The numbers of frame and group choose it
+ * pseudo-randomly, so that no stripe is hit every time. */
 static int is_metered(const work *w, uint32_t unit_row)
 {
     const uint32_t n = w->object->config.meter_rows;
@@ -146,9 +146,9 @@ static int is_metered(const work *w, uint32_t unit_row)
     return unit_row % n == (uint32_t)(z >> 32) % rows;
 }
 
-/* As is_metered, for config.histogram_step; the frames' number has no part in it. Groups start over in each row of the
- * metering grid, so that the rows of one have the same weights, and the bins' sum is that of all weights. Counted is
- * one of each n rows and, in it, one of each `columns` pixels. */
+/* As is_metered, for config.histogram_step, but independent of the frame's number. Groups start over in each row of the
+ * metering grid, so that the rows of a group have the same weights, and the bins' sum is that of all weights. One of
+ * each n rows is counted and, in it, one of each `columns` pixels. */
 static void find_counted(const work *w, uint32_t unit_row, uint32_t n, uint32_t columns, pupil_row *row)
 {
     const uint32_t units = w->frame_height / w->in_unit;
@@ -190,7 +190,7 @@ static void meter_unit(const work *w, uint32_t i)
     work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
 }
 
-/* Row i, metered and, where it is a row of pixels to a row of pixels, mapped in the same pass. */
+/* Meters row i and, if a row of pixels becomes a row of pixels, maps it in the same pass. */
 static void work_plain_row(const work *w, uint32_t i)
 {
     static const uint8_t even[PUPIL_GRID_SIDE] = {0};
@@ -209,7 +209,7 @@ static void work_plain_row(const work *w, uint32_t i)
         work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
 }
 
-/* Row i of out from the row, or the quads, that it represents. */
+/* The row, or the quads, that row i of out is mapped from. */
 static pupil_row source_of(const work *w, uint32_t i)
 {
     return row_of(w, w->map.way == PUPIL_WAY_BINNED ? 2 * i : i);
@@ -254,7 +254,7 @@ static void map_rows(const work *w, const pupil_luma_tables *tables, uint32_t i,
 }
 
 /* Where rows are not mapped one by one as they are metered: four at a time, which are whole quads, and whole pairs of
- * 4:2:0 also in a picture of half the size. They stay in the cache from the one to the other. Not inline: with what it
+ * 4:2:0 also in a picture of half the size. They stay in the cache from metering to mapping. Not inline: with what it
  * keeps there, the stack of pupil_work_rows was above its limit (tree.stack). */
 static __attribute__((noinline)) void work_in_fours(const work *w, const pupil_luma_tables *tables)
 {
@@ -268,7 +268,7 @@ static __attribute__((noinline)) void work_in_fours(const work *w, const pupil_l
     }
 }
 
-/* Whether what is mapped can go by luma: codes of a display's curve to such codes, whose colours keep their ratio. */
+/* Whether mapping can go by luma: codes of a display's curve to such codes, whose colours keep their ratio. */
 static int goes_by_luma(const work *w)
 {
     static const pupil_coding usual = {0};
@@ -303,8 +303,8 @@ static void count_rows(const work *w)
     w->stats->code_light = code_light > w->stats->code_light ? code_light : w->stats->code_light;
 }
 
-/* To a picture of other primaries than the input's, or of what rods see: by a job of its own, with its own brightest
- * channels. What rods see changes no statistics. `mixed`: room for a matrix. */
+/* A picture of other primaries than the input's, or with the rods' light, gets a job of its own, with its own brightest
+ * channels. The rods' light changes no statistics. `mixed`: room for a matrix. */
 static void convert_to_picture(work *w, const pupil_tone *curve, pupil_row_job *picture, float mixed[9])
 {
     const pupil_object *object = w->object;
@@ -326,7 +326,7 @@ static void convert_to_picture(work *w, const pupil_tone *curve, pupil_row_job *
     w->meter.to_peak = w->map.to_peak;
 }
 
-/* The largest step of rows and columns that leaves so many of the pixels. */
+/* The largest step of rows and columns that leaves `least` of the pixels. */
 static uint32_t step_for(uint64_t pixels, uint32_t least)
 {
     uint32_t step = PUPIL_MOST_STEP;
@@ -340,10 +340,10 @@ static uint32_t histogram_step(const pupil_object *object, uint32_t width, uint3
 {
     if (!object->histogram || object->config.histogram_step)
         return object->histogram ? object->config.histogram_step : 0;
-    return step_for((uint64_t)width * height / 2, LEAST_COUNTED); /* of 2n x n pixels one is */
+    return step_for((uint64_t)width * height / 2, LEAST_COUNTED); /* one of 2n x n pixels is counted */
 }
 
-/* From the mapping job. */
+/* Makes the metering job from the mapping job. */
 static void make_meter(work *w)
 {
     const pupil_object *object = w->object;

@@ -70,7 +70,8 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
     return PUPIL_OK;
 }
 
-/* Without a branch, so that it becomes vectors: high is the sum of the upper halves, which says that total is right. */
+/* Without a branch, so that it becomes vectors: high, the sum of the upper halves, shows that total did not
+ * overflow. */
 static int bins_add_up(const uint64_t *bin, int count, uint64_t wanted)
 {
     uint64_t total = 0, high = 0;
@@ -95,7 +96,7 @@ int pupil_stats_are_counted(const pupil_stats *s)
 }
 
 /* Bins that add up to the weight (or none at all), bands that hold what their pixels can: no later sum overflows.
- * Statistics of some of a frame's rows may have a counted row for others that are elsewhere, or no counted row. */
+ * Statistics of some of a frame's rows may have a counted row that represents rows elsewhere, or no counted row. */
 static int bins_and_bands_fit(const pupil_stats *s)
 {
     const uint64_t limit = s->weight * PUPIL_MOST_STEP; /* no overflow: counts_fit */
@@ -174,7 +175,8 @@ static double log2_within_bin(int i, double t, int bins_per_stop)
     return stop + PUPIL_HISTOGRAM_MIN_EV + pupil_log2(1.0 + (step + t) / bins_per_stop);
 }
 
-/* The light that shares q of the weight, the bins' sum, are below: from one share's bin on to the next one's. */
+/* The light below which each share q of the weight, the bins' sum, is. The search goes from one share's bin to the next
+ * one's. */
 static void quantiles_of_bins(const uint64_t *bin, int bins_per_stop, uint64_t weight, const double *q, int count,
                               double *log2_light)
 {
@@ -281,7 +283,7 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
         if (!pupil_stats_are_counted(stats))
             return stats->has_histogram ? PUPIL_ERR_STATS : PUPIL_ERR_NO_HISTOGRAM;
         const double total = (double)counted_weight(stats);
-        /* The exact mean corrects the bins' middles: as the trim goes to nothing, so does the difference of the two. */
+        /* The bins' middles are corrected by the exact mean, so the error vanishes with the trim. */
         mean += shift_by_trim(stats, low * total, high * total, total);
     }
     *log2_luminance = mean;

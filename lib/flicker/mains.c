@@ -8,8 +8,8 @@
  * light. Waves are fitted to them by least squares, for both F and every k up to a readout of a whole frame. Each
  * frame's energy is first scaled to 1, so that a cut counts no more than any other frame.
  *
- * A wave is accepted if what it leaves is less than what it explains beyond its rivals. These are the other F and the
- * wave that goes up instead of down: a blinking light, shade and a shaken camera fit both directions equally well. */
+ * A wave is accepted if it leaves less energy than it explains beyond its rivals. These are the other F and the wave
+ * that goes up instead of down: a blinking light, shade and a shaken camera fit both directions equally well. */
 #include "mains.h"
 
 #include "base/numeric.h"
@@ -116,8 +116,7 @@ static void decide(pupil_mains *m, double dt_s)
     m->modulation = modulation < 1.0 ? modulation : 1.0; /* towards dark, log2 falls further than light does */
 }
 
-/* Puts the levels of the groups in the place of the last frame's. Returns the sum of the squares of how far each
- * moved. */
+/* Replaces the last frame's levels of the groups. Returns the sum of the squares of their changes. */
 static double take(pupil_mains *m, const pupil_stats *stats, double move[PUPIL_MAINS_GROUPS])
 {
     double mean = 0.0, energy = 0.0;

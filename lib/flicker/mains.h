@@ -11,13 +11,14 @@ typedef struct pupil_wave {
 } pupil_wave;
 
 /* [2]: light of 100 Hz and of 120 Hz. Sums forget: a frame counts 7/8 of the one after it. A Gram matrix of two by two
- * is half its trace, and a complex number that turns twice as far as what it is of. */
+ * is stored as half its trace and a complex number, which turns twice as far as the wave. */
 typedef struct pupil_mains {
     float before[PUPIL_MAINS_GROUPS];    /* log2 of the groups' light, over the mean of all, in the frame before */
-    float sum[2][PUPIL_MAINS_GROUPS][2]; /* of what it moved by times what the wave moved by */
-    pupil_wave gram[2];                  /* of what the wave moved by */
-    double half[2], phase;               /* of gram; of 20 Hz, turns: five and six of them are the waves' */
-    double energy, usual;                /* of the moves, each brought to 1; of a frame as it is, mean; -1: not known */
+    float sum[2][PUPIL_MAINS_GROUPS][2]; /* of the light's changes times the wave's changes */
+    pupil_wave gram[2];                  /* of the wave's changes */
+    double half[2], phase;               /* of gram; of 20 Hz, turns: the waves' are five and six times that */
+    double energy, usual;                /* of the changes, each frame's scaled to 1; the mean before scaling; -1: not
+                                          * known */
     double exposure_s;                   /* of the frame before */
     double modulation;                   /* of the rows, when it was last seen */
     uint32_t hz;                         /* found: 50, 60; 0: not yet */

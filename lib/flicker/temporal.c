@@ -11,7 +11,7 @@
 #include "base/numeric.h"
 
 #define PAUSE_S      1.0   /* after a longer pause nothing is known */
-#define CLOCK_FRAMES 128.0 /* timestamps jitter: a line is put through about so many */
+#define CLOCK_FRAMES 128.0 /* timestamps jitter: a line is fitted to about this many */
 #define RATE                                                                                                           \
     0.0625               /* share that a frame has in the fit; flicker of fewer turns a frame is left alone, because   \
                           * the level's own filter follows it */
@@ -27,14 +27,15 @@
 #define LEAST_CHANGE 0.01 /* keeps the step finite where the sine hardly moves between two frames */
 #define LEAST_POWER  1e-5 /* a sine of 0.3 %: below, its phase is noise */
 
-/* What is beyond the nearest whole number, from -0.5 to 0.5; 0 for numbers that are too large to have a fraction. */
+/* The difference from the nearest whole number, -0.5 to 0.5; 0 for numbers that are too large to have a fraction. */
 static double part(double x)
 {
     return x > -1e15 && x < 1e15 ? x - (double)(int64_t)(x < 0.0 ? x - 0.5 : x + 0.5) : 0.0;
 }
 
 /* Seconds since the frame before, without the timestamps' jitter. An alpha-beta filter: its gains are those of the line
- * of least squares through all n frames so far, and from CLOCK_FRAMES on stay as they are, so that the oldest fade. */
+ * of least squares through all n frames so far. From CLOCK_FRAMES on they are constant, so that the oldest frames
+ * fade. */
 static double tick(pupil_flicker *b, double dt_s)
 {
     const double frames = b->period_s > 0.0 ? dt_s / b->period_s : 0.0; /* above 1.5 where some were dropped */
@@ -78,11 +79,11 @@ static void lamp_frame(pupil_flicker_light *l, double hz, double period_s, doubl
     const int is_slow = alias < RATE && alias > -RATE;
     const double most = l->gate > 0.0 ? MISS2 * l->left + SEEN_EV2 : CUT_EV2;
     const int is_miss = left2 > most;
-    /* a miss teaches the less, the larger it is */
+    /* the larger a miss, the smaller its step */
     const double step = 2.0 * LN2 * RATE * left * (is_miss ? most / left2 : 1.0) / (c * c + s * s + LEAST_CHANGE);
 
     l->turn = part(turn);
-    if (is_miss && moved * moved < 0.25 * left2) /* without the lamp it would have been right */
+    if (is_miss && moved * moved < 0.25 * left2) /* the prediction without the lamp would have been right */
         l->gone++;
     else if (left2 < 0.25 * moved * moved)
         l->gone = 0;

@@ -17,7 +17,7 @@ typedef struct pupil_flicker {
     int64_t timestamp_ns; /* of the last frame; 0: none */
     double light, exposure_s;
     double period_s, late_s;     /* of frames; of the last timestamp, against frames that are a period apart */
-    double frames;               /* that these are from */
+    double frames;               /* that period_s and late_s are from */
     double step_s;               /* to the last frame from the one before, without jitter; 0: not known */
     pupil_flicker_light lamp[2]; /* 100 and 120 Hz */
 } pupil_flicker;

@@ -75,7 +75,7 @@ static int read_out(const pupil_image_const *in, pupil_image *ours, const pupil_
         return PUPIL_ERR_PIXEL_OUT;
     if (ours->width != in->width || ours->height != in->height)
         return PUPIL_ERR_SIZE;
-    ours->coding = 0; /* the same format as the input, which has been checked; of a coding nothing is read */
+    ours->coding = 0; /* the same format as the input, which has been checked; its coding is not read */
     const pupil_image_const as_const = pupil_image_as_const(*ours);
     return pupil_image_check(&as_const, 0);
 }

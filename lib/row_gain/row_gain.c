@@ -65,13 +65,13 @@ int pupil_row_gain_init(pupil_row_gain *lamps, const pupil_row_gain_config *conf
     __builtin_memset(lamps, 0, sizeof *lamps);
     o->config = copy;
     pupil_config_default(&metering);
-    metering.white_mode = PUPIL_WHITE_NONE; /* no histogram: only bands are looked at */
+    metering.white_mode = PUPIL_WHITE_NONE; /* no histogram: only bands are used */
     pupil_row_gain_forget(o);
     o->magic = ROW_GAIN_MAGIC;
     return pupil_init(&o->meter, &metering);
 }
 
-/* The columns from x on, which is a multiple of 4 as every format wants it. */
+/* The columns from x on, which is a multiple of 4 as every format needs it. */
 static pupil_image_const columns_of(pupil_image_const image, uint32_t x, uint32_t width)
 {
     image.data = (const unsigned char *)image.data + pupil_row_bytes(image.pixel, x);
@@ -179,7 +179,7 @@ int pupil_row_gain_get_sized(const pupil_row_gain *lamps, pupil_row_gain_result 
     return pupil_versioned_write(result, result_bytes, &o->result, sizeof o->result);
 }
 
-/* The wave's amplitudes in a frame of this exposure, times how much of it is taken out. */
+/* The wave's amplitudes in a frame of this exposure, times the share that is removed. */
 static void amplitudes(const pupil_row_gain_object *o, double exposure_s, double wave[TERMS])
 {
     for (int h = 0; h < HARMONICS; h++) {

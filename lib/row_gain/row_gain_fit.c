@@ -25,7 +25,7 @@ enum {
 static const double memory_s = 0.4;  /* of the normal equations: lamps that go off are half forgotten in 0.3 s */
 static const double scene_s = 1.0;   /* of the means: at most; waves that roll by more slowly count as stationary */
 static const double gap_s = 0.5;     /* mains of 50 +- 0.2 Hz are a fifth of a period off after it */
-static const double noise_ev = 0.02; /* what a band differs from the wave by at best; weights of frames */
+static const double noise_ev = 0.02; /* the smallest error of a band; for the weights of frames */
 
 void pupil_row_gain_forget(pupil_row_gain_object *o)
 {
@@ -82,7 +82,7 @@ static int find_group_mean(const pupil_row_gain_object *o, int g, group_mean *me
     return 1;
 }
 
-/* What a frame says of the wave as it is known: sums over all bands that are lit. */
+/* How a frame agrees with the wave as it is known: sums over all bands that are lit. */
 typedef struct look {
     double cells;
     double rest;         /* (light - wave)^2 */
@@ -209,7 +209,7 @@ static void forget_a_little(pupil_row_gain_object *o, double keep)
         }
 }
 
-/* Leads phase, frequency and readout by what a shift of them would explain of this frame. Says whether to look again.
+/* Corrects phase, frequency and readout by the shift that explains this frame best. Returns whether to look again.
  */
 static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
 {
@@ -217,12 +217,12 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     const double usual_hz = 2.0 * o->config.mains_hz;
     if (!(l->slope[0] > 1e-4 * l->cells)) /* a wave of 0.014 EV */
         return 0;
-    /* The error of the shift is the rest over the slope, and more, because neighbours move together; it is held against
-     * what timestamps may be off, 0.1 rad: 0.16 ms. */
+    /* The error of the shift is the rest over the slope, and more, because neighbours move together. It is compared
+     * with the error that timestamps may have, 0.1 rad: 0.16 ms. */
     const double error = 8.0 * l->rest / l->cells / l->slope[0];
     const double trust = 0.01 / (0.01 + error);
     const double usual_s = o->config.readout_s;
-    /* less than half a period does not show how long it is */
+    /* less than half a period in the picture does not show the period's length */
     const double tilt_trust = clamp(2.0 * usual_s * usual_hz - 1.0, 0.0, 1.0) * 0.01 / (0.01 + 2.0 * error);
     /* least squares for the two: normal equations of two by two, a little regularised */
     const double a = l->slope[0] * (1.0 + 1e-6);
@@ -236,13 +236,14 @@ static int lead(pupil_row_gain_object *o, const look *l, double dt_s)
     o->turn += early;
     o->result.light_hz = clamp(o->result.light_hz + 0.03 * early / dt_s, usual_hz * 0.99, usual_hz * 1.01);
     o->result.readout_s = clamp(o->result.readout_s + tilt / o->result.light_hz, usual_s * 0.88, usual_s * 1.12);
-    o->turn -= 0.5 * tilt; /* so that the middle row stays */
+    o->turn -= 0.5 * tilt; /* so that the middle row keeps its phase */
     pupil_row_gain_fill_terms(o);
-    return early > 0.03 || early < -0.03; /* a fifth of a radian: the wave is no straight line that far away */
+    return early > 0.03 || early < -0.03; /* a fifth of a radian: over such a shift the wave is not linear */
 }
 
-/* A wave that a shift does not bring back is not there, or not everywhere: phase and all then continue as they were. So
- * they do where shifts continue the same way: a picture without the wave looks like one in which it does not move.
+/* If no shift makes the wave fit, it is missing, at least in places: phase, frequency and readout then remain as they
+ * were. They also remain if shifts keep their direction: a picture without the wave looks like one in which it does not
+ * move.
  */
 static look lead_while_it_helps(pupil_row_gain_object *o, look l, double dt_s)
 {
@@ -295,7 +296,7 @@ void pupil_row_gain_learn(pupil_row_gain_object *o, const pupil_frame_info *info
     o->turn -= pupil_nearest(o->turn);
     pupil_row_gain_fill_terms(o);
     if (!goes_on) {
-        keep_means(o, 1.0); /* from what they were to what is here: rounding leaves nothing of note */
+        keep_means(o, 1.0); /* replaces the old means; the rounding error does not matter */
         return;
     }
     look l = look_at_frame(o);

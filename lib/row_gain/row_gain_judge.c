@@ -28,8 +28,8 @@ static double power_of(const double k[2], const double row0[2], const double row
     return k[0] * (row0[0] * k[0] + row0[1] * k[1]) + k[1] * (row1[0] * k[0] + row1[1] * k[1]);
 }
 
-/* The power of what a tile's wave differs by from that of all, over the power of the latter. `usual` is a part of the
- * power in other tiles: where the wave alternates between frames some rows hardly see it. */
+/* The power of the difference between a tile's wave and that of all tiles, over the power of the latter. `usual` is a
+ * part of the power in other tiles, because some rows hardly see a wave that alternates between frames. */
 static double disagreement_of(const pupil_row_gain_object *o, const pupil_row_gain_tile *t, double usual)
 {
     const double *k = o->coefficient;
@@ -63,7 +63,7 @@ static double worst_disagreement(const pupil_row_gain_object *o)
         groups += here > 0;
         tiles += here;
     }
-    for (int b = 0; b < BANDS; b++) { /* what extends across the picture is thinner than a tile */
+    for (int b = 0; b < BANDS; b++) { /* areas across the whole picture may be thinner than a tile */
         const double share = o->row_rest[b] / (o->row_wave[b] + 0.2 * power / BANDS);
         const double d = share * share;
         worst = d > worst ? d < 1.0 ? d : 1.0 : worst;
@@ -72,9 +72,9 @@ static double worst_disagreement(const pupil_row_gain_object *o)
     return groups >= GROUPS / 2 && tiles >= GROUPS * SEGMENTS / 4 ? worst : 1.0;
 }
 
-/* The least that was heard of the wave in any group or segment. A part that is dark, or that the wave does not reach (a
- * segment is a fraction of a period), has little to say. It falls at once and comes back in a tenth of a second: the
- * means of the last frames get used to what is there. */
+/* The smallest share of the wave that was found in any group or segment. A part that is dark, or that the wave does not
+ * reach (a segment is a fraction of a period), counts little. The share falls at once and recovers in a tenth of a
+ * second, because the means of the last frames get used to the picture. */
 static void hear(pupil_row_gain_object *o, double dt_s)
 {
     const double w = pupil_one_minus_exp(dt_s / 0.1);
@@ -93,8 +93,8 @@ static void hear(pupil_row_gain_object *o, double dt_s)
 }
 
 /* Whether the last frame has the wave in all groups and segments. A pan of 1 % of the width a frame hides up to 0.15 of
- * a wave of modulation 0.3 in one of them. If a pan brings a window into view, it is in the third frame that more
- * than that is missing from the outermost group. */
+ * a wave of modulation 0.3 in one of them. If a pan brings a window into view, more than that is missing from the
+ * outermost group in the third frame. */
 static double has_wave(const pupil_row_gain_object *o)
 {
     return ramp(o->heard, 0.7, 0.85);
@@ -130,7 +130,7 @@ static double judge(pupil_row_gain_object *o)
     return all;
 }
 
-/* Gains come in half a second and go in a seventh; in a frame that does not have the wave there are none at once. */
+/* Gains fade in within half a second and out within a seventh; a frame that does not have the wave has none at once. */
 static void fade(pupil_row_gain_object *o, double aim, double dt_s)
 {
     o->faded = aim > o->faded ? clamp(o->faded + dt_s / 0.5, 0.0, aim) : clamp(o->faded - dt_s / 0.15, aim, 1.0);

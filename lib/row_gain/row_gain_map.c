@@ -15,7 +15,7 @@ static uint32_t rows_together(const pupil_image_const *rows, const pupil_image *
     return pairs ? 2 : pupil_pixel_rows(rows->pixel);
 }
 
-/* Of one, two or four, so that the parts are exact; the largest floats have no sum. */
+/* Each of the one, two or four gains is divided first, which is exact: the sum of the largest floats would overflow. */
 static float mean_of(const float *gain, uint32_t count)
 {
     float mean = 0.0f;
@@ -24,7 +24,7 @@ static float mean_of(const float *gain, uint32_t count)
     return mean;
 }
 
-/* To what a curve's scales may be. */
+/* Clamped to the range of a curve's scale. */
 static float bounded(double scale)
 {
     return scale < 0x1p60 ? (float)scale : 0x1p60f;

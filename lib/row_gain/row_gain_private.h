@@ -11,7 +11,7 @@ enum {
     PUPIL_ROW_GAIN_HARMONICS = 4,
     PUPIL_ROW_GAIN_TERMS = 2 * PUPIL_ROW_GAIN_HARMONICS /* cosine and sine of each */
 };
-#define PUPIL_ROW_GAIN_DARK  (-10.0) /* log2: what is darker is not looked at */
+#define PUPIL_ROW_GAIN_DARK  (-10.0) /* log2: darker light is not used */
 #define PUPIL_ROW_GAIN_DRIFT 0.05    /* of drift: 0.5 Hz, more than mains wander, at 10 frames a second */
 #define PUPIL_ROW_GAIN_PRIOR 10.0    /* 1 / (0.3 EV)^2: what coefficients are like before there are frames */
 
@@ -41,10 +41,10 @@ typedef struct pupil_row_gain_object {
     double matrix[PUPIL_ROW_GAIN_TERMS][PUPIL_ROW_GAIN_TERMS], side[PUPIL_ROW_GAIN_TERMS];
     double known_s; /* seconds of frames that it was learned from */
     double moving;  /* how much of the wave's power moves from frame to frame, 0..1 */
-    double drift;   /* turns a frame that the phase was led by, lately; 0 where light_hz is right */
-    double faded;   /* result.strength, except for the last frame's own objection */
-    /* how much of the expected wave there was, 1 where all is well: in the groups and the segments of the last frame
-     * (its wave^2, times the rest), and lately */
+    double drift;   /* recent corrections of the phase, turns a frame; 0 where light_hz is right */
+    double faded;   /* result.strength, before the last frame's own check */
+    /* how much of the expected wave was found, 1 being all: in the groups and the segments of the last frame (wave^2;
+     * wave times the rest), and lately */
     double heard, heard_lately; /* the least of them */
     double part_wave[PUPIL_ROW_GAIN_PARTS], part_rest[PUPIL_ROW_GAIN_PARTS], part_lately[PUPIL_ROW_GAIN_PARTS];
     pupil_row_gain_tile tile[PUPIL_ROW_GAIN_GROUPS][PUPIL_ROW_GAIN_SEGMENTS];
@@ -62,7 +62,7 @@ _Static_assert(sizeof(pupil_row_gain_object) <= sizeof(pupil_row_gain), "PUPIL_R
 /* row_gain_wave.c */
 /* What is left of the light's harmonic h when it is averaged over some seconds: sin(x) / x. */
 double pupil_row_gain_averaged(double light_hz, int h, double seconds);
-/* left of a frame of this exposure; light_mean follows, as if its frames had had it, too. */
+/* Fills in left for a frame of this exposure, and adjusts light_mean as if its frames had had it, too. */
 void pupil_row_gain_expose(pupil_row_gain_object *o, double exposure_s);
 /* term[][] of a frame whose first row has the phase o->turn. */
 void pupil_row_gain_fill_terms(pupil_row_gain_object *o);

@@ -63,7 +63,7 @@ static uint32_t rounded(uint32_t n)
 static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *floats)
 {
     bloom_octave at = {.width = ((c->width - 1) >> k) + 1, .height = ((c->height - 1) >> k) + 1};
-    /* An odd number of steps: rows that are 4096 bytes apart would share a few places of a cache. */
+    /* An odd number of steps: rows that are 4096 bytes apart would share a few sets of a cache. */
     at.stride = (rounded(BLOOM_LEFT + at.width + BLOOM_LEFT + BLOOM_STEP) / BLOOM_STEP | 1) * BLOOM_STEP;
     const int all_light = !(c->threshold > 0.0);
     at.rows = at.height + 2 * BLOOM_MARGIN + (all_light ? BLOOM_BEHIND : 0);
@@ -74,7 +74,7 @@ static bloom_octave octave_at(const pupil_bloom_config *c, uint32_t k, size_t *f
     return at;
 }
 
-/* What memory holds, from octave 1 on: planes, a row of zeros, room for solve, and bytes. */
+/* The content of memory, from octave 1 on: planes, a row of zeros, room for solve, and bytes. */
 typedef struct bloom_places {
     bloom_octave octave[BLOOM_OCTAVES];
     size_t nothing, room, need, lamps, bytes;
@@ -125,7 +125,7 @@ static __attribute__((noinline)) void take_places(bloom_object *o)
     o->lamps = p.lamps;
 }
 
-/* What scatters is taken from its pixel. */
+/* Scattered light is subtracted from its pixel. */
 static void find_taps(bloom_object *o)
 {
     double moved = 0.0;
@@ -139,7 +139,7 @@ static void find_taps(bloom_object *o)
 
 int pupil_bloom_init(pupil_bloom *bloom, size_t bytes, const pupil_bloom_config *config)
 {
-    pupil_bloom_config copy; /* the caller's may be where the object will */
+    pupil_bloom_config copy; /* the caller's may be in the object's memory */
     if (!bloom || !config)
         return PUPIL_ERR_NULL;
     if (read_config(&copy, config))

@@ -1,32 +1,33 @@
-/* The kernel of each octave (bloom_private.h): 7 x 7 taps without the corners, the same seen from all sides. What an
- * octave's narrow lobes scatter beyond that comes from the octave below: its nine taps are fitted to it, by least
- * squares of what a pixel then gets, errors counting as much as they are of all light there is. What these leave within
- * 7 x 7 are the octave's own taps. So all Gaussians, however many, are one kernel in each octave. */
+/* The kernel of each octave (bloom_private.h): 7 x 7 taps without the corners, the same seen from all sides. The light
+ * that an octave's narrow lobes scatter beyond them comes from the next coarser octave, whose nine taps are fitted to
+ * it by least squares of errors relative to all light there. The rest within 7 x 7 gives the octave's own taps. So all
+ * Gaussians, however many, are one kernel in each octave. */
 #include "bloom_private.h"
 
 #include "base/numeric.h"
 
 /* The variance that the filters to an octave and back add together, in square pixels of the finer octave. */
 #define FILTERS 3.6875
-/* A Gaussian goes on to the octave below where at least this variance is then left. */
+/* A Gaussian moves to the next coarser octave if it then has at least this variance. */
 #define LEAST_VARIANCE 0.7
-/* One of up to this variance scatters nothing that counts beyond 7 x 7. */
+/* A Gaussian of up to this variance scatters nothing that matters beyond 7 x 7. */
 #define OWN_VARIANCE (1.75 + PIXEL)
 #define PIXEL        (1.0 / 12.0) /* the variance of a pixel's own light */
-/* How small a share of the weakest lobe's peak is looked at. */
+/* Errors are relative to this share of the weakest lobe's peak at least. */
 #define SHARE 0.3
-/* The second fit's weights are the first one's errors, and this share of the largest: that brings the largest down. */
+/* The second fit's weights are the first one's errors plus this share of the largest, which reduces the largest
+ * error. */
 #define LEAST_WEIGHT 0.02
 #define RIDGE        1e-6
 
 enum {
     REACH = PUPIL_BLOOM_ROWS / 2,
     TAPS = PUPIL_BLOOM_TAPS,
-    FAR = BLOOM_FIT_FAR, /* as far as a tap of the octave below is seen */
+    FAR = BLOOM_FIT_FAR, /* the reach of a tap of the coarser octave */
     WIDE = 2 * FAR + 1
 };
 
-/* The filter to an octave and back, by how far a pixel is from the first of the two in one of half the size. */
+/* The filter to an octave and back, by a pixel's distance from the first of the two pixels in one of half the size. */
 static double filter(int distance)
 {
     static const double tap[8] = {5, 30, 84, 137, 137, 84, 30, 5};
@@ -39,7 +40,7 @@ static int is_beyond(int y, int x)
     return a > REACH || b > REACH || a + b == 2 * REACH;
 }
 
-/* How many taps of a kernel are tap (a, b). */
+/* How often a kernel has tap (a, b). */
 static double times_of(int a, int b)
 {
     return (a ? 2.0 : 1.0) * (b ? 2.0 : 1.0) * (a == b ? 1.0 : 2.0);
@@ -69,8 +70,8 @@ static void find_gaussian(double variance, double tap[FAR + 1])
     }
 }
 
-/* What a pixel at an even place leaves at each distance, along a row, by the taps a to both sides of the octave below:
- * the octave's grid is in it. One at an odd place leaves the same to the other side. */
+/* The light that a pixel at an even place leaves at each distance along a row, by the taps a to both sides in the
+ * coarser octave, with the effect of its grid. A pixel at an odd place leaves the mirror image. */
 static void find_replies(bloom_fit *f)
 {
     for (int a = 0; a <= REACH; a++)
@@ -87,7 +88,7 @@ static int goes_on(const bloom_fit *f, uint32_t i)
     return (f->variance[i] - FILTERS) / 4.0 >= LEAST_VARIANCE;
 }
 
-/* What the octave's narrow lobes scatter, and what all of them do. */
+/* The light that the octave's narrow lobes scatter, and that of all lobes. */
 static void find_target(bloom_fit *f, int last)
 {
     double tap[FAR + 1];
@@ -107,7 +108,7 @@ static void find_target(bloom_fit *f, int last)
     }
 }
 
-/* What the octave's taps leave in the mean of all places of a pixel. */
+/* The mean of what the octave's taps leave, over all places of a pixel. */
 static double mean_reply(const bloom_fit *f, int a, int d)
 {
     return 0.5 * (f->reply[a][FAR + d] + f->reply[a][FAR - d]);
@@ -119,7 +120,8 @@ static double mean_of_tap(const bloom_fit *f, int a, int b, int y, int x)
     return a == b ? one : one + mean_reply(f, b, y) * mean_reply(f, a, x);
 }
 
-/* What each tap of the octave below leaves at (y, x). Within 7 x 7, where the mean is put right, what differs from it.
+/* What each tap of the coarser octave leaves at (y, x). Within 7 x 7, where the octave's own taps correct the mean,
+ * only the difference from it.
  */
 static void find_taps_at(const bloom_fit *f, int y, int x, double at[TAPS])
 {
@@ -136,7 +138,7 @@ static double target_at(const bloom_fit *f, int y, int x)
     return is_beyond(y, x) ? f->target[y < 0 ? -y : y][x < 0 ? -x : x] : 0.0;
 }
 
-/* The square of the light by which errors at (y, x) count. */
+/* The square of the light that errors at (y, x) are relative to. */
 static double square_at(const bloom_fit *f, int y, int x)
 {
     const double all = f->all[y < 0 ? -y : y][x < 0 ? -x : x];
@@ -210,8 +212,8 @@ static void fit_below(bloom_fit *f)
     solve_equations(f);
 }
 
-/* The octave's taps, with what the octave above left to it. Light is moved and not made: what is beyond and was not met
- * is scattered within. */
+/* The octave's taps, plus those that the finer octave was fitted with. So that no light is lost, what the fit misses
+ * beyond 7 x 7 is scattered within. */
 static void find_own(const bloom_fit *f, double tap[TAPS])
 {
     double within[TAPS];
@@ -229,7 +231,7 @@ static void find_own(const bloom_fit *f, double tap[TAPS])
         tap[k] += more * within[k];
 }
 
-/* The lobes of the octave below. */
+/* The lobes of the next coarser octave. */
 static void go_on(bloom_fit *f)
 {
     uint32_t left = 0;

@@ -7,13 +7,13 @@ enum {
     HALVED = 8,
     PART = (BLOOM_LINE - 2 * BLOOM_SIDE) / 2, /* pixels of the octave */
     UNITS = PART / BLOOM_UNIT,
-    GROUP = 8, /* rows of the octave, whose rows of the frame are searched for lamps before */
+    GROUP = 8, /* rows of the octave for which the frame is searched for lamps at a time */
     AROUND = HALVED - 2,
     MOST_UNITS = PUPIL_MAX_SIDE_PX / 2 / BLOOM_UNIT + 2
 };
 _Static_assert(PART % BLOOM_UNIT == 0, "a part is whole units");
 
-/* What a worker gathers with. */
+/* A worker's scratch. */
 typedef struct gathering {
     BLOOM_ALIGNED bloom_line row[HALVED];
     BLOOM_ALIGNED pupil_bloom_room room;
@@ -59,7 +59,8 @@ static void find_units(const bloom_object *o, gathering *g, int32_t j, uint8_t *
         lit[u] = pupil_bloom_bits(any, o->config.width, (int32_t)(BITS * u) - 2, BITS + 2) != 0;
 }
 
-/* Those of the rows that rows first to end of the octave are made of. `before`: they follow those that are there. */
+/* The lamps of the frame's rows that make up rows first to end of the octave. `before`: these follow the last ones,
+ * some of which are used again. */
 static void find_lamps(bloom_object *o, gathering *g, int32_t first, int32_t end, int before)
 {
     const int32_t from = 2 * first - 3, to = 2 * end + 3;
@@ -98,7 +99,7 @@ static void read_row(const bloom_object *o, gathering *g, int32_t y, const gathe
     }
 }
 
-/* What is written next: for pieces of rows a CPU would wait. */
+/* Prefetches the row that is written next: for pieces of rows a CPU would wait. */
 static void announce(const float *row, uint32_t n)
 {
     enum { FLOATS = 16 };
@@ -157,7 +158,7 @@ static gathered lit_part(const gathering *g, const gathered *part)
     return lit;
 }
 
-/* The rows of the part that have light; what a frame before left elsewhere goes. */
+/* Gathers the rows of the part that have light, and clears what an earlier frame left elsewhere. */
 static void gather_lit(bloom_object *o, gathering *g, const gathered *part)
 {
     const size_t light = o->octave[1].light, flags = o->octave[1].lit;

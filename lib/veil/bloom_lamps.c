@@ -1,4 +1,4 @@
-/* Where a frame has lamps, the pixels above a bright pass's threshold: what no lamp reaches is skipped. */
+/* Where a frame has lamps, the pixels above a bright pass's threshold: pixels that no lamp reaches are skipped. */
 #include "bloom_private.h"
 
 void pupil_bloom_find_lamps(bloom_frame *f, int32_t y, uint32_t *words)

@@ -3,9 +3,9 @@
 
 #include "base/numeric.h"
 
-/* What is there of n pixels from x on. */
+/* The part of n pixels from x on that the frame has. */
 typedef struct bloom_piece {
-    uint32_t first, pixels, before; /* the frame's first one, how many, and how many are left of the frame */
+    uint32_t first, pixels, before; /* its first pixel, how many, and how many of the n are left of the frame */
 } bloom_piece;
 
 static bloom_piece piece_of(uint32_t width, int32_t x, uint32_t n)
@@ -40,7 +40,7 @@ int pupil_bloom_light(bloom_frame *f, int32_t y, int32_t x, uint32_t n, bloom_li
 void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, int32_t x, bloom_four *four)
 {
     const bloom_octave *at = &o->octave[octave];
-    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
+    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, rounded down */
     const int32_t first = middle - (y & 1 ? 1 : 2);
     four->y = y;
     for (int32_t i = 0; i < 4; i++) {
@@ -50,7 +50,7 @@ void pupil_bloom_find_four(const bloom_object *o, uint32_t octave, int32_t y, in
     }
 }
 
-/* A row of the finer octave is 5/256, 84/256, 137/256 and 30/256 of four, or those from the other side. */
+/* A row of the finer octave is 5/256, 84/256, 137/256 and 30/256 of four rows, or these in reverse. */
 void pupil_bloom_take(const pupil_kernels *kernels, bloom_four *four, uint32_t n, pupil_bloom_room room, float *to,
                       int add)
 {

@@ -51,7 +51,7 @@ int pupil_bloom_map_rows(const pupil_bloom *bloom, const pupil_veil *veil, const
     if (error)
         return error;
     const pupil_image_const rows = pupil_image_rows(whole.image, by.first_row, to.image.height);
-    if (!veil && !o->lit) /* nothing shines */
+    if (!veil && !o->lit) /* no light scatters */
         return pupil_map_rows(pupil, curve, &rows, out);
     mapping_scratch *s = (mapping_scratch *)pupil_bloom_aligned(scratch);
     s->window.frame.kernels = pupil_level_kernels(pupil_object_of_const(pupil)->level);

@@ -1,5 +1,5 @@
-/* The octaves of a bloom: the light of the first one at half the size, and again, and each one's blurs. What no lamp
- * reaches is 0 in all planes, and remains so without being written: flags say where it is not. */
+/* The octaves of a bloom: the light of the first one is halved again and again, and each octave is blurred. Pixels that
+ * no lamp reaches are 0 in all planes, and are not written again: flags mark the others. */
 #include "bloom_private.h"
 
 enum { HALVED = 8, REACH = PUPIL_BLOOM_ROWS / 2 };
@@ -105,7 +105,7 @@ static float *blurred_of(bloom_object *o, const bloom_units *s)
     return o->memory + row + BLOOM_LEFT - BLOOM_MARGIN + s->first * BLOOM_UNIT;
 }
 
-/* They get what the kernel scatters. */
+/* Writes what the kernel scatters to them. */
 static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s)
 {
     const bloom_octave *at = &o->octave[s->octave];
@@ -118,14 +118,14 @@ static void blur_units(bloom_object *o, const pupil_kernels *kernels, const bloo
     PUPIL_PIECE(kernels, bloom_scatter)(row, ahead, &o->taps[s->octave], n, room_of(o), 0, blurred_of(o, s));
 }
 
-/* What `reached` says of a unit: it gets something of light within the kernel's reach, which is that of some rows and
- * of the units beside it; or of the octave above. */
+/* Bits of `reached`: a unit gets light from within the kernel's reach (some rows, and the units next to it), or from
+ * the coarser octave. */
 enum { BY_KERNEL = 1, BY_COARSER = 2 };
 
 static void plan_row(bloom_object *o, uint32_t octave, int32_t y)
 {
     const bloom_octave *at = &o->octave[octave];
-    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, downwards */
+    const int32_t middle = (y + 2 * BLOOM_STEP) / 2 - BLOOM_STEP; /* y / 2, rounded down */
     const uint32_t units = at->units;
     uint8_t *restrict near = (uint8_t *)o->memory + o->need + 1, *restrict coarser = near + units + 2;
     uint8_t *restrict reached = pupil_bloom_flags(o, octave, at->reached, y);
@@ -155,7 +155,7 @@ static void plan(bloom_object *o, uint32_t octave)
             __builtin_memset(pupil_bloom_flags(o, octave, at->reached, y), all, at->units);
 }
 
-/* They get what comes from the octave above; `add`: besides what is there. */
+/* Writes the light of the coarser octave to them, or with `add` adds it. */
 static void take_coarser(bloom_object *o, const pupil_kernels *kernels, const bloom_units *s, bloom_four four, int add)
 {
     const uint32_t half = s->first * (BLOOM_UNIT / 2), all = o->octave[s->octave].width / 2 + BLOOM_MARGIN;

@@ -1,4 +1,4 @@
-/* A bloom at full size: its narrow lobes, and what comes from the octaves below. */
+/* A bloom at full size: its narrow lobes, and the light from the coarser octaves. */
 #include "bloom_private.h"
 
 enum { REACH = PUPIL_BLOOM_ROWS / 2 };
@@ -19,7 +19,7 @@ static uint32_t lamps_at(const bloom_object *o, int32_t y, uint32_t x)
     return pupil_bloom_bits(lamps, o->config.width, (int32_t)(x / BLOOM_EIGHT) - 1, ACROSS);
 }
 
-/* Row y of the block: whether it has light, which is read where a kernel needs it. */
+/* Notes whether row y of the block has light. The light is read only where a kernel needs it. */
 static void step_to(const bloom_object *o, bloom_window *w, int32_t y)
 {
     const uint32_t at = place_of(y);
@@ -47,15 +47,15 @@ static uint32_t units_in_reach(const bloom_window *w)
     for (int i = 0; i < PUPIL_BLOOM_ROWS; i++)
         lamps |= w->lamps[i];
     uint32_t units =
-        (lamps | lamps >> 1 | lamps >> 2 | lamps >> 3) & 0x55555555; /* each other bit, and then together */
+        (lamps | lamps >> 1 | lamps >> 2 | lamps >> 3) & 0x55555555; /* every other bit, which are then packed */
     units = (units | units >> 1) & 0x33333333;
     units = (units | units >> 2) & 0x0f0f0f0f;
     units = (units | units >> 4) & 0x00ff00ff;
     return (units | units >> 8) & ((1u << (w->n + BLOOM_UNIT - 1) / BLOOM_UNIT) - 1);
 }
 
-/* Whether the octaves give something to rows y to end_row of a block. Without any lamp solve leaves a frame before in
- * them. */
+/* Whether the octaves add light to rows y to end_row of a block. If a frame has no lamp, solve returns early and they
+ * still hold an earlier frame. */
 static int octaves_reach(const bloom_object *o, int32_t y, int32_t end_row, uint32_t x, uint32_t n)
 {
     const uint32_t first = (x / 2 + BLOOM_MARGIN - 2) / BLOOM_UNIT;
@@ -132,7 +132,7 @@ static void add_full(const bloom_object *o, bloom_window *w, int32_t y, int whol
     }
 }
 
-/* What the next rows need of the octave: pieces of rows are too short for a CPU to expect that by itself. */
+/* Prefetches what the next rows need of the octave: pieces of rows are too short for the CPU's own prefetch. */
 static void announce(const float *row, uint32_t n)
 {
     enum { FLOATS = 16 };

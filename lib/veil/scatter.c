@@ -1,9 +1,10 @@
-/* Rows with the light that is scattered to them, in planes, and then mapped as any other planes. */
+/* Adds scattered light to rows, in planes, which are then mapped as any others. */
 #include "scatter.h"
 
 /* --- the veil of a block --- */
 
-/* Where the pixels of a row of nodes' cell are: from[i] + part * more[i], part being how far below the upper nodes. */
+/* The veil of pixels between two rows of nodes: from[i] + part * more[i], part being the distance below the upper
+ * row. */
 static void find_veil(const veil_object *o, uint32_t cell_row, uint32_t x, uint32_t n, pupil_scattered *s)
 {
     const uint32_t width = o->config.width;
@@ -28,7 +29,7 @@ static void find_veil(const veil_object *o, uint32_t cell_row, uint32_t x, uint3
     }
 }
 
-/* The veil of a row: that of its blocks is found where the one at hand is another row of nodes'. */
+/* The veil of a row. That of its blocks is computed only if the present one is of another row of nodes. */
 static float find_row(const scatter_map *m, uint32_t y, uint32_t x, uint32_t end, uint32_t *cell_row)
 {
     const veil_object *o = m->veil;
@@ -42,15 +43,15 @@ static float find_row(const scatter_map *m, uint32_t y, uint32_t x, uint32_t end
 
 /* --- blocks --- */
 
-/* A CPU reads ahead along a row, and the next piece is of the row below: it is asked for here, a part at a time, for
- * few lines of a cache can be on their way at once. */
+/* A CPU prefetches along a row, but the next piece is in the row below. It is prefetched here, a part at a time,
+ * because few cache lines can be in flight at once. */
 static void fetch(const uint8_t *from, size_t bytes)
 {
     for (size_t i = 0; i < bytes; i += 64)
         __builtin_prefetch(from + i);
 }
 
-/* Row i of the call's, pixels x to end, to `target`. */
+/* Maps pixels x to end of row i of the call to `target`. */
 static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, uint32_t *cell_row, uint8_t *target)
 {
     scatter_block *b = m->block;
@@ -70,11 +71,11 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
         if (!reached && !m->veil) { /* as without bloom */
             fetch(next, n * in_bytes);
             pupil_work_run(job, &row, x, n, target, 0, 0, 0);
-            continue; /* which was the last one: a bloom's are one beside the other */
+            continue; /* which was the last block: with a bloom there is one at a time */
         }
         const int whole = reached && pupil_bloom_window_read(m->window, y) && !m->veil;
         const int opaque = whole || PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
-        const size_t third = all_light ? 0 : n * in_bytes / 3; /* which reads rows further down before */
+        const size_t third = all_light ? 0 : n * in_bytes / 3; /* which prefetches rows further down itself */
         fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);
@@ -87,8 +88,8 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
     }
 }
 
-/* Rows first to end of the call's, which are few enough to be in a cache yet when the blocks beside these are mapped:
- * what a CPU reads ahead of short pieces of rows is then not in vain. */
+/* Rows first to end of the call. They are few enough to be in a cache still when the next blocks are mapped, so what a
+ * CPU prefetches beyond short pieces of rows is not wasted. */
 typedef struct band {
     uint32_t first, end;
 } band;
@@ -102,7 +103,7 @@ static void map_blocks(const scatter_map *m, band rows, uint32_t x, uint32_t end
         map_row(m, i, x, end, &cell_row, (uint8_t *)out->data + (ptrdiff_t)i * out->stride_bytes + offset);
 }
 
-/* One, in pairs of rows, whose chroma is one. */
+/* One block, in pairs of rows, which share their chroma. */
 static void map_block_to_yuv(const scatter_map *m, band rows, uint32_t x, uint32_t end)
 {
     scatter_block *b = m->block;
@@ -171,7 +172,7 @@ static void map_band(const scatter_map *m, band rows)
 void pupil_scatter_map(const scatter_map *m, const pupil_object *pupil, const pupil_tone *curve,
                        const pupil_image_const *in)
 {
-    /* Even numbers of rows. A bloom of all light begins each band with rows of the one above. */
+    /* Even numbers of rows. A bloom of all light reads some rows of the band above again, so its bands are larger. */
     const uint32_t most = m->bloom && !(m->bloom->config.threshold > 0.0) ? 128 : 32, height = m->out->height;
     const int yuv = pupil_pixel_planes(m->out->pixel) > 1;
     scatter_block *b = m->block;

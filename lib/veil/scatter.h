@@ -1,5 +1,5 @@
 /* lib/veil/scatter.h: mapping of rows with the light that is scattered to them: some blocks, down the rows, so that
- * what they need of the veil is found once for all rows between two rows of nodes. */
+ * their veil is computed once for all rows between two rows of nodes. */
 #ifndef PUPIL_VEIL_SCATTER_H
 #define PUPIL_VEIL_SCATTER_H
 

@@ -65,7 +65,7 @@ int pupil_veil_config_check(const pupil_veil_config *config, const char **why)
 
 int pupil_veil_init(pupil_veil *veil, const pupil_veil_config *config)
 {
-    pupil_veil_config copy; /* the caller's may be where the object will */
+    pupil_veil_config copy; /* the caller's may be in the object's memory */
     if (!veil || !config)
         return PUPIL_ERR_NULL;
     if (read_config(&copy, config))

@@ -4,7 +4,7 @@
 #include "base/fault.h"
 #include "base/numeric.h"
 
-/* A bell's place on one axis: neither it nor its next one in the series comes into the picture from the other side. */
+/* Whether, on one axis, neither a bell nor its next period wraps around into the picture. */
 static int fits(double at, double radius, double size, double period)
 {
     return within(at, size - period + radius, period - radius);

@@ -1,4 +1,4 @@
-/* A frame's light in cells: each run of a row that is in one cell by a kernel, in floats, and then as integers. */
+/* A frame's light in cells: a kernel sums each run of a row in one cell, in floats, which then become integers. */
 #include "veil_private.h"
 
 #include "base/numeric.h"
@@ -81,7 +81,7 @@ static int64_t whole(double x)
     return (int64_t)(x + pupil_double_of_bits((pupil_bits_of_double(x) & sign) | half));
 }
 
-/* A run's sums become the cell's, with moments about its middle in cells. */
+/* Adds a run's sums to the cell, with moments about its middle in cells. */
 static void add_run(const gathering *g, const pupil_veil_sums *sums, uint32_t first, uint32_t column, double down,
                     veil_cell *cell)
 {
@@ -108,7 +108,8 @@ static void sum_runs(const gathering *g, const pupil_row *row, ptrdiff_t next_ro
     PUPIL_PIECE(g->kernels, veil_gather)(planes, run, count, sums);
 }
 
-/* As many whole cells at a time as a block has room for: each run is then one kernel's sums, wherever rows are cut. */
+/* As many whole cells at a time as a block has room for: each run is then summed by one kernel call, however rows are
+ * split. */
 static __attribute__((noinline)) void gather_row(const gathering *g, uint32_t i, uint32_t y, pupil_planes *planes,
                                                  veil_cell cells[VEIL_CELLS])
 {

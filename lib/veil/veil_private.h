@@ -11,7 +11,7 @@ enum {
     VEIL_NODES = (int)PUPIL_VEIL_NODES,
     VEIL_WAVES = (int)PUPIL_VEIL_MOST_HARMONICS + 1,     /* harmonics and the constant */
     VEIL_TERMS = 2 * (int)PUPIL_VEIL_MOST_HARMONICS + 1, /* 1, cos 1, sin 1, cos 2, ... */
-    /* rounded up, so that loops by vectors need no rest */
+    /* rounded up, so that vector loops have no remainder */
     VEIL_TERM_ROOM = 72,
     VEIL_NODE_ROOM = 72,
     VEIL_COLUMNS = 16
@@ -55,7 +55,7 @@ typedef struct veil_light_object {
     uint64_t magic;
     uint32_t width, height; /* of the frame; 0, 0 where no row is there yet */
     uint32_t rows, reserved;
-    pupil_planes planes; /* scratch of the one who gathers */
+    pupil_planes planes; /* scratch of the worker that gathers */
     veil_cell cell[VEIL_CELLS][VEIL_CELLS];
 } veil_light_object;
 
@@ -83,7 +83,7 @@ static inline int pupil_veil_check(const pupil_veil *veil)
     return pupil_veil_object_of_const(veil)->magic == VEIL_MAGIC ? PUPIL_OK : PUPIL_ERR_OBJECT;
 }
 
-/* Cell i holds the pixels whose middles are in it: this is its first one; of the cell behind the last it is width. */
+/* Cell i holds the pixels whose middles are in it: this is its first one; for the cell behind the last it is width. */
 static inline uint32_t pupil_veil_first_in_cell(uint32_t cell, uint32_t width)
 {
     return (cell * width + VEIL_CELLS / 2 - 1) / VEIL_CELLS; /* the smallest x with (2x + 1) * 64 / (2 width) >= cell */

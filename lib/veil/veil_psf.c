@@ -16,7 +16,7 @@
 #define STEP       0x1.e148a1a2726cfp-1 /* 2 ln RATIO: of log v */
 #define ROOT_PI    0x1.c5bf891b4ef6ap+0
 #define LEAST_PX   0.12 /* what is narrower stays within its pixel */
-#define LEAST_WIDE 2.0  /* pixels: a narrower lobe's height in their middles is not the light in them */
+#define LEAST_WIDE 2.0  /* pixels: a narrower lobe's height at a pixel's middle is not the pixel's light */
 #define LEAST_DEG  1e-6 /* no published term has light in lobes below this */
 #define FLAT_DEG   1e6  /* nor above */
 #define HEMISPHERE 90.0
@@ -88,14 +88,14 @@ static double lobe_of_power(double sigma, double c, int n)
 {
     enum { STEPS = 120 };
     const double root_v = 0x1.6a09e667f3bcdp-1 / sigma, b = 2.0 * c * root_v;
-    /* The integrand is gone at 8 standard deviations of s^2, or where exp(-b s) is. */
+    /* The integrand is negligible at 8 standard deviations of s^2, or where exp(-b s) is. */
     const double end = b > 5.0 ? 40.0 / b : 8.0, step = end / STEPS;
     double sum = 0.0;
     for (int i = 0; i <= STEPS; i++) {
         const double s = i * step, weight = i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0;
         sum += weight * s * s * (n == 3 ? s : 1.0) * pupil_decay(s * (b + s));
     }
-    const double integral = sum * step / 3.0; /* where s is 0 there is nothing */
+    const double integral = sum * step / 3.0; /* where s is 0 the integrand is 0 */
     const double v_power = root_v * root_v * (n == 3 ? root_v : 1.0);
     return STEP * v_power * (n == 3 ? 8.0 / 2.0 : 4.0) * integral / ROOT_PI;
 }
@@ -190,7 +190,7 @@ static double sum_along(double side_px, double sigma_px, int from_middle)
     return sum * reach / STEPS / 3.0 * (from_middle ? 2.0 : 1.0);
 }
 
-/* What a picture of even light 1 has at one of its corners, edges, or in its middle. */
+/* The light of a picture of even light 1 at one of its corners, edges, or in its middle. */
 static double even_light(const sorting *s, const pupil_veil_config *c, int middle_x, int middle_y)
 {
     double sum = s->result->direct;
@@ -201,8 +201,8 @@ static double even_light(const sorting *s, const pupil_veil_config *c, int middl
     return sum;
 }
 
-/* Angles are flat here, as the picture is: one of over a hundred degrees has more room than there is around the eye,
- * and the formulas would make light of it. */
+/* Angles are flat here, as the picture is. A picture of over a hundred degrees has more area than there is around the
+ * eye, so the formulas would add light. */
 static void make_no_light(sorting *s, const pupil_veil_config *c)
 {
     pupil_veil_result *r = s->result;
@@ -255,7 +255,7 @@ uint32_t pupil_veil_lobes(const pupil_veil_config *config, pupil_veil_result *re
     result->size_bytes = sizeof *result;
     result->degrees_per_px = 2.0 * sine / cosine / config->width * (180.0 / VEIL_PI);
     /* A series of N harmonics has a Gaussian to 0.03 % of its height where N >= 3.8 T / (2 pi sigma); cells and nodes
-     * want sigma at 5.8 of their distances: a lamp that moves then flickers by 2 % at most. */
+     * need a sigma of 5.8 of their distances: a lamp that moves then flickers by 2 % at most. */
     const double by_series = 3.8 * config->period / (2.0 * VEIL_PI * config->harmonics);
     const double narrowest_px = side * (by_series > 0.09 ? by_series : 0.09);
     result->narrowest_px = narrowest_px > LEAST_WIDE ? narrowest_px : LEAST_WIDE;

@@ -67,7 +67,7 @@ int pupil_veil_begin(pupil_veil *veil)
 
 typedef const float term_row[VEIL_TERM_ROOM];
 
-/* Rows of terms and the weight of each; and, where there are some, of slopes. */
+/* Rows of terms and the weight of each; and, if there are any, of slopes. */
 typedef struct weighted_rows {
     term_row *term, *slope; /* slope NULL: none */
     const float *by, *by_slope;
@@ -138,7 +138,7 @@ static __attribute__((noinline)) void add_row(const veil_object *o, const veil_c
     add_rows(&(weighted_rows){(term_row *)o->cell, 0, y, 0, VEIL_CELLS}, columns_of(o), moment);
 }
 
-/* To terms in both, in work[0]. */
+/* A channel to terms in x and y, in work[0]. */
 static void add_channel(veil_object *o, const veil_light_object *light, int channel, float unit)
 {
     float(*sum)[VEIL_TERM_ROOM] = o->work[1], (*moment)[VEIL_TERM_ROOM] = o->work[2];

@@ -1,9 +1,9 @@
 /* Tables of Fourier coefficients: of all wide lobes together, and of one bell.
  *
- * With a period of X and Y a bell at (x0, y0) is the sum over m and n of table[m][n] cos(2 pi m (y - y0) / Y)
- * cos(2 pi n (x - x0) / X). Bells that are a product of one in x and one in y, as Gaussians are, have the product of
- * their coefficients. These are integrals over no more than a period, so that nothing comes round: by Simpson's rule,
- * which needs no error function. */
+ * With a period of X and Y a bell at (x0, y0) is the sum over m and n of table[m][n] cos(2 pi m (y - y0) / Y) cos(2 pi
+ * n (x - x0) / X). Bells that are a product of one in x and one in y, as Gaussians are, have the product of their
+ * coefficients. These are integrals over no more than a period, so that nothing wraps around: by Simpson's rule, which
+ * needs no error function. */
 #include "veil_private.h"
 
 #include "base/numeric.h"
