@@ -13,7 +13,7 @@ void pupil_gles_config_default_sized(pupil_gles_config *config, size_t config_by
 
 /* --- errors --- */
 
-/* After a step of init or retune: what GL itself says, out of memory or lost, is the cause of any other failure.
+/* After a step of init or retune: an error of GL itself, out of memory or lost, is the cause of any other failure.
  */
 static int cause_of(const gles_object *o, int error, pupil_why *why)
 {
@@ -198,7 +198,7 @@ void pupil_gles_coder_set(gles_object *o)
     pupil_coder_make(external || !rgb8 ? &o->coding : 0, rgb8 ? (uint32_t)PUPIL_PIXEL_RGB10A2 : o->config.pixel,
                      &o->coder);
     if (rgb8)
-        o->coder.unit = 1.0f; /* its codes are those of the table */
+        o->coder.unit = 1.0f; /* its codes are indices of the table */
     o->code_light = pupil_code_light(&o->coder, o->config.pixel);
 }
 
@@ -250,7 +250,7 @@ static void delete_all(gles_object *o)
     o->gl.DeleteVertexArrays(1, &o->vertex_array);
 }
 
-/* Everything of one version; after an error nothing is left. */
+/* Makes everything for one version; after an error nothing is left. */
 static int make_all(gles_object *o, const pupil_object *pupil, uint32_t version, pupil_why *why)
 {
     int error = check_settings(o, pupil, version, why);
@@ -346,7 +346,7 @@ static int retune_bins(gles_object *o, const pupil_object *settings, const gles_
     for (int i = 0; i < 2; i++)
         o->target[GLES_BINS + i] = o->framebuffer[GLES_BINS + i] = 0;
     const int error = cause_of(o, pupil_gles_bins_make(o, why), why);
-    for (int i = 0; i < 2; i++) { /* after an error what was made is what goes */
+    for (int i = 0; i < 2; i++) { /* after an error the new ones are deleted */
         old[i] = error ? o->target[GLES_BINS + i] : texture[i];
         old[2 + i] = error ? o->framebuffer[GLES_BINS + i] : framebuffer[i];
         o->target[GLES_BINS + i] = error ? texture[i] : o->target[GLES_BINS + i];

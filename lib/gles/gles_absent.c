@@ -1,4 +1,4 @@
-/* In the place of lib/gles where the library is built without OpenGL ES (PUPIL_GPU=OFF): says so. */
+/* Replaces lib/gles if the library is built without OpenGL ES (PUPIL_GPU=OFF): every call reports that. */
 #include "pupil/gles.h"
 
 #include "base/versioned.h"

@@ -1,12 +1,12 @@
-/* ADAPT_GPU: what the shaders' integer law (shaders/adapt.glsl) is given for each frame. */
+/* ADAPT_GPU: the inputs of the shaders' integer law (shaders/adapt.glsl) for each frame. */
 #include "gles_private.h"
 
 #include "base/numeric.h"
 
-/* 64 bits of 2^-56 stops end at 128. A divisor beyond 96 has the target at ev_min or ev_max, 64 at most, for any
- * frame, which holds 2^-30 to 2^30: it may as well be 96. */
+/* 64 bits of 2^-56 stops end at 128. Frames hold 2^-30 to 2^30, and ev_min and ev_max are 64 at most: with any divisor
+ * beyond 96 the target is one of them. So it is clamped to 96. */
 #define MOST_STOPS 96.0
-/* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 are from
+/* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 reach from
  * every level. */
 #define MOST_BASE_STOPS 124.0
 
@@ -57,7 +57,7 @@ static uint32_t high(int64_t q)
     return (uint32_t)((uint64_t)q >> 32);
 }
 
-/* In 2^-32. All bits: at once. What rounding leaves goes to the next frame, or a tau of hours would be another one. */
+/* In 2^-32. All bits: at once. The rounding error goes to the next frame, or a tau of hours would change. */
 static uint32_t weight_q32(const pupil_config *c, double dt_s, int more_light, double *rest)
 {
     const double w = pupil_weight_of_step(c, dt_s, more_light) * 0x1p32 + *rest;
@@ -67,7 +67,7 @@ static uint32_t weight_q32(const pupil_config *c, double dt_s, int more_light, d
     return rounded;
 }
 
-/* By how much sums of weights times log2 must be shortened: 62 stops in 2^-24 take 30 bits, and 64 are there. */
+/* By how much sums of weights times log2 must be shifted: 62 stops in 2^-24 take 30 bits of 64. */
 static uint32_t sum_shift(const gles_object *o)
 {
     const uint64_t pixels = (uint64_t)o->config.width * o->config.height;

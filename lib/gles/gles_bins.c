@@ -3,7 +3,7 @@
  * on GPUs, 2007). A half counts to 2048, so each row of the frame has its own row of bins, or several. */
 #include "gles_private.h"
 
-#define MOST_COUNT    2048 /* from there on a half is no longer every integer */
+#define MOST_COUNT    2048 /* above this a half does not have every integer */
 #define USUAL_STEP    4    /* a point for each pixel would be slow on small GPUs, which sort points into tiles */
 #define LEAST_LARGEST 2048 /* GL_MAX_TEXTURE_SIZE of every ES 3.0 */
 

@@ -1,10 +1,10 @@
-/* What has come back of a histogram of some rows (gles_bins.c), as one of all. */
+/* Scales the histogram of some rows (gles_bins.c) to one of all. */
 #include "gles_private.h"
 
 #include "base/numeric.h"
 
-/* Bins of some rows as those of all: their running sums are scaled, so that the total is exact. Where the rows had no
- * weight, all of it is in one bin. */
+/* The running sums of the bins are scaled, so that the total is exact. If the rows had no weight, one bin gets all of
+ * it. */
 static void scale_bins(uint64_t *bin, int count, uint64_t wanted, int otherwise)
 {
     uint64_t total = 0, sum = 0, before = 0;

@@ -1,4 +1,4 @@
-/* What GL says of its state, and sentences for the caller. */
+/* Errors of GL, and sentences for the caller. */
 #include "gles_private.h"
 
 void pupil_gles_say(pupil_why *why, const char *const parts[])

@@ -5,8 +5,8 @@ typedef struct rectangle {
     int32_t x, y, width, height; /* y from the framebuffer's first row */
 } rectangle;
 
-/* From a place (u, v) in the picture as it is shown to one in the picture. x = xu u + xv v, counted from the picture's
- * far edge where the factor is -1; the same for y. */
+/* From a place (u, v) in the picture as it is shown to a place in the picture as it is mapped. x = xu u + xv v, counted
+ * from the picture's far edge where the factor is -1; the same for y. */
 typedef struct turning {
     int8_t xu, xv, yu, yv;
 } turning;
@@ -32,7 +32,7 @@ static picture picture_of(const gles_object *o, uint32_t orientation)
     return p;
 }
 
-/* Where all of the picture would be drawn, in the middle of the target; may be larger than it. */
+/* Where all of the picture would be drawn, in the middle of the target; may be larger than the target. */
 static rectangle place(const pupil_gles_target *t, const picture *p)
 {
     rectangle all = {t->x, t->y, (int32_t)t->width, (int32_t)t->height};
@@ -133,7 +133,7 @@ static void scissor(const gles_object *o, rectangle r)
     o->gl.Scissor(r.x, r.y, r.width, r.height);
 }
 
-/* What rods see, as a share of the matrix to the picture; nothing where they had none and have none. */
+/* Mixes the rods' share into the matrix to the picture. Does nothing if it was 0 and is 0. */
 static void set_rods(gles_object *o, int scaled, float rods)
 {
     const int mix = o->has_rods && rods > 0.0f;

@@ -46,7 +46,7 @@ static void meter_31(gles_object *o, const gles_slot *slot)
 {
     const gl_functions *gl = &o->gl;
     const size_t bins = offsetof(gles_statistics, peak);
-    if (o->histogram) { /* nobody has it any more: its fence has signalled */
+    if (o->histogram) { /* no longer in use: its fence has signalled */
         gl->BindBuffer(GL_COPY_WRITE_BUFFER, slot->buffer);
         gl->BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)bins, (GLsizeiptr)(sizeof(gles_statistics) - bins),
                           &no_statistics);
@@ -149,7 +149,7 @@ int pupil_gles_meter(pupil_gles *gles, const pupil_frame_info *info)
     pupil_gles_unbind(o);
     slot->fence = o->gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     o->gl.Flush();     /* or the fence might never signal */
-    if (slot->fence) { /* or nobody would ever know */
+    if (slot->fence) { /* or nothing would report its end */
         o->under_way++;
         o->metered++;
     }

@@ -1,4 +1,4 @@
-/* lib/gles/gles_private.h: what is inside a pupil_gles, and what its files are to each other. */
+/* lib/gles/gles_private.h: what is inside a pupil_gles, and the interfaces between its files. */
 #ifndef PUPIL_GLES_GLES_PRIVATE_H
 #define PUPIL_GLES_GLES_PRIVATE_H
 
@@ -33,7 +33,7 @@ typedef struct gles_statistics {
     uint32_t peaks[GLES_REGION_COLUMNS][4];                  /* ES 3.0, in place of peak: one for each column */
 } gles_statistics;
 
-/* A frame whose statistics are on their way. */
+/* A frame whose statistics are in flight. */
 typedef struct gles_slot {
     GLuint buffer;
     GLsync fence;
@@ -52,7 +52,7 @@ typedef enum gles_program_name {
     GLES_PROGRAM_COUNT
 } gles_program_name;
 
-/* 0 where a use needs none. The rest: where the uniforms are that change from frame to frame. */
+/* 0 where a use needs none. The rest: the locations of the uniforms that change from frame to frame. */
 typedef struct gles_programs {
     GLuint name[GLES_PROGRAM_COUNT];
     struct {
@@ -145,9 +145,9 @@ typedef struct gles_object {
 
     /* ADAPT_GPU: the clock and the exposure, as pupil_adapt keeps them */
     pupil_adaptation adaptation;
-    uint32_t given;        /* adaptation.level, or that there is none, is to be taken over by the next frame */
+    uint32_t given;        /* the next frame is to take over adaptation.level, or that there is none */
     double exposure_log2;  /* of the frame at hand, metered or not */
-    double weight_rest[2]; /* toward more light, toward less: what the frames before have left, 2^-32 */
+    double weight_rest[2]; /* toward more light, toward less: rounding errors of earlier frames, 2^-32 */
     uint32_t newest_state;
 
     pupil_stats stats; /* that were fetched last */
@@ -170,7 +170,7 @@ static inline gles_object *gles_object_of(pupil_gles *gles)
 int pupil_gles_check(const pupil_gles *gles);
 /* The factors of o->coding, for frames of o->config. */
 void pupil_gles_coder_set(gles_object *o);
-/* What GL has to say of the calls since: PUPIL_OK or an error. */
+/* GL's error since the last one was read: PUPIL_OK or an error. */
 int pupil_gles_error(const gles_object *o);
 /* Puts sentences together, cut where the buffer ends; up to a NULL. */
 void pupil_gles_say(pupil_why *why, const char *const parts[]);
@@ -183,7 +183,7 @@ int pupil_gles_programs_make(const gles_object *o, const gles_variant *variant, 
 void pupil_gles_programs_delete(const gles_object *o, gles_programs *programs);
 /* Uniforms that stay as they are from frame to frame, by the settings. */
 void pupil_gles_programs_set(gles_object *o);
-/* Of these, those that a mosaic's white balance is in. */
+/* Those of them that depend on a mosaic's white balance. */
 void pupil_gles_programs_balance(gles_object *o);
 /* Makes a program current, with the state of GL that all of pupil_gles draws with. */
 void pupil_gles_begin(const gles_object *o, uint32_t program);
@@ -202,7 +202,7 @@ void pupil_gles_bind(const gles_object *o, uint32_t unit, GLenum target, GLuint 
 void pupil_gles_bind_frame(const gles_object *o);
 void pupil_gles_unbind(const gles_object *o);
 
-/* An own target of this size, in place of what was there. */
+/* A target of this size, which replaces the one before. */
 int pupil_gles_target_make(gles_object *o, int target, GLenum internal, GLsizei width, GLsizei height, pupil_why *why);
 
 /* --- gles_bins.c: the histogram of ES 3.0 --- */
@@ -222,7 +222,7 @@ void pupil_gles_bins_scale(pupil_stats *stats);
 /* --- gles_regions.c --- */
 
 uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS]);
-/* Columns that may be metered as one: 4 where that is no difference, or 1. */
+/* Columns that may be metered as one: 4 where that makes no difference, or 1. */
 uint32_t pupil_gles_regions_together(const gles_object *o);
 /* Statistics of the whole frame from what came back. */
 void pupil_gles_regions_add_up(const gles_object *o, const gles_statistics *from, pupil_stats *stats);

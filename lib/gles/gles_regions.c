@@ -1,4 +1,4 @@
-/* How a frame is cut for metering, and statistics from what the pieces left. */
+/* How a frame is cut into regions for metering, and statistics from the regions' sums. */
 #include "gles_private.h"
 
 uint32_t pupil_gles_regions_make(uint32_t units_y, gles_region_row rows[GLES_REGION_ROWS])

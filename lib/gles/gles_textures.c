@@ -106,7 +106,7 @@ static void unpack_rows(const gles_object *o, GLint texels)
     o->gl.PixelStorei(GL_UNPACK_SKIP_PIXELS, 0);
 }
 
-/* Two channels of the texture that is bound change places when it is read. */
+/* Swaps two channels of the bound texture when it is read. */
 static void exchange(const gles_object *o, GLenum a, GLenum b)
 {
     o->gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_R + (a - GL_RED), (GLint)b);
@@ -164,7 +164,7 @@ static int make_targets(gles_object *o, pupil_why *why)
     return PUPIL_OK;
 }
 
-/* Rows of GLES_TABLE_WIDTH, the last one not whole. */
+/* Rows of GLES_TABLE_WIDTH; the last one may be shorter. */
 static void send_table(const gles_object *o, GLuint texture, GLsizei count, GLenum format, GLenum type, size_t bytes,
                        const void *table)
 {
@@ -259,7 +259,7 @@ void pupil_gles_unbind(const gles_object *o)
         o->gl.BindSampler(unit, 0);
 }
 
-/* A plane at once where its rows are one behind the other, or else row by row. */
+/* Sends a plane at once if GL can take its stride, or else row by row. */
 static void send_plane(const gles_object *o, GLuint texture, const layout *l, extent e, const void *data,
                        ptrdiff_t stride)
 {

@@ -75,7 +75,7 @@ static void map_row(const scatter_map *m, uint32_t i, uint32_t x, uint32_t end, 
         }
         const int whole = reached && pupil_bloom_window_read(m->window, y) && !m->veil;
         const int opaque = whole || PUPIL_PIECE(job->kernels, load[job->in_pixel])(job->coder, &row, x, n, &b->planes);
-        const size_t third = all_light ? 0 : n * in_bytes / 3; /* which prefetches rows further down itself */
+        const size_t third = all_light ? 0 : n * in_bytes / 3; /* reading all light prefetches rows further down */
         fetch(next, third);
         if (m->veil)
             PUPIL_PIECE(job->kernels, scatter)(&b->planes, n, direct, veil++, part);

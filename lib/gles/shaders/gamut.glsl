@@ -1,4 +1,4 @@
-// A colour beyond the display's gamut goes back into it: the same operations as lib/kernels/gamut.h.
+// Moves a colour beyond the display's gamut into it: the same operations as lib/kernels/gamut.h.
 
 #define GAMUT_KNEE 0.85
 

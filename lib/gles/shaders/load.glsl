@@ -1,8 +1,8 @@
 // A frame's texels as linear light. Which of the parts below is compiled is said by one of
 //     LOAD_FLOAT, LOAD_RGB16, LOAD_RGB_CODES, LOAD_CODED_RGB, LOAD_YUYV, LOAD_PLANES, LOAD_GREY, LOAD_MOSAIC
 // and for Y'CbCr, grey and mosaics by one of SAMPLES_8, SAMPLES_16, SAMPLES_NORMALIZED_16, SAMPLES_10P, SAMPLES_12P.
-// Every factor is the CPU's own (lib/kernels/kernels.h: pupil_coder, by the same names), and so are the tables of light.
-// Formats that differ in the order of channels alone are put in order by the texture's swizzle.
+// Every factor is the CPU's own (lib/kernels/kernels.h: pupil_coder, by the same names), and so are the tables of
+// light. Formats that differ only in the order of channels are put in order by the texture's swizzle.
 
 #if defined(LOAD_RGB16) || defined(SAMPLES_16)
 uniform usampler2D frame;

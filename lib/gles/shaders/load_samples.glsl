@@ -53,7 +53,7 @@ uint sample_at(ivec2 at)
 #endif
 #endif
 
-// What is added up, four of it a pixel: codes, or the light of companded ones.
+// Added up, four a pixel: codes, or the light of companded ones.
 #ifdef KNEES
 uniform int lines;
 uniform vec3 line[9]; // lib/kernels/kernels.h: pupil_line

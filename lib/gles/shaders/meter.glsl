@@ -1,4 +1,4 @@
-// Metering: what a region's pixels leave. Sums are integers, so that the order in which a GPU works cannot matter.
+// Metering: the sums of a region's pixels. Sums are integers, so that the order in which a GPU works cannot matter.
 
 uniform float floor_luminance, clip_value;
 
@@ -7,7 +7,7 @@ float clamp_luminance(float l)
     return l > floor_luminance ? min(l, CEILING) : floor_luminance;
 }
 
-// What metering leaves of pixels: log2 of all of them = exponent + log2 product.
+// The sum of log2 of some pixels = exponent + log2 product.
 struct run {
     float product; // 1..2
     int exponent;

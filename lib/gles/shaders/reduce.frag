@@ -1,4 +1,4 @@
-// The 8 x 4 parts of each region that meter.frag left, as one.
+// Sums the 8 x 4 parts of each region that meter.frag wrote.
 
 uniform usampler2D parts;
 layout(location = 0) out uvec4 region_sums;

@@ -1,5 +1,5 @@
-// The frame is cut into regions, each in one row of the metering grid, in one band, and in one of its columns, or in four
-// of them where their weights are the same. A region has one weight, which is applied by whoever sums regions up.
+// The frame is cut into regions, each in one row of the metering grid, in one band, and in one of its columns, or in
+// four of them where their weights are the same. A region has one weight, which is applied when regions are summed up.
 
 #define REGION_COLUMNS 16
 #define REGION_ROWS    80
