@@ -20,11 +20,11 @@
  * comes from there.
  *
  * How: the picture is halved again and again, into octaves, by filters of eight taps. All lobes together are one kernel
- * of 7 x 7 taps in each octave. A lobe, less the variance of the filters, is in the coarsest octave that is fine enough
- * for it: at full size below 2.5 pixels, at half the size below 5.4, and so on. Its light beyond 7 x 7 taps is fitted
- * by the taps of the next coarser octave, at init. Far from a lamp, a lobe may darken a pixel by up to 0.2 % of the
- * lobe's peak, if no other lobe adds more. Errors against the formulas: docs/look.md. With a threshold, gather_rows
- * records where lamps are: pixels that no lobe reaches are mapped as without bloom.
+ * of 7 x 7 taps in each octave. A lobe is in the coarsest octave that is fine enough for it: at full size below a sigma
+ * of 2.5 pixels, at half the size below 5.4, and so on; the variance of the filters is subtracted from the lobe's. Its
+ * light beyond 7 x 7 taps is fitted by the taps of the next coarser octave, at init. Far from a lamp, a lobe may darken
+ * a pixel by up to 0.2 % of the lobe's peak, if no other lobe adds more. Errors against the formulas: docs/look.md.
+ * With a threshold, gather_rows records where lamps are: pixels that no lobe reaches are mapped as without bloom.
  *
  * Units: pixels; light in the frame's unit (image.h: White). Channels below 0 and NaN scatter nothing, one above 2^30
  * scatters as 2^30.

@@ -156,7 +156,7 @@ typedef struct pupil_config {
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */
     float trim_high;     /* where the kept share ends, above trim_low; 1. (0.05, 0.95) is the usual trimmed mean */
     uint32_t histogram;  /* 0: gathered only if trimming, a white point that follows or a curve needs it; 1: always; 0.
-                          * histogram_step says of which pixels */
+                          * histogram_step says which pixels it counts */
     uint32_t meter_rows; /* n of 1, 2, 4, 8: one of each n rows (of a mosaic: rows of quads) is metered, a different one
                           * in each frame. Mapping does not change. For slow boards: docs/numerics.md has the error. If
                           * few rows have a weight, a frame may meter none of them; it then counts as a frame without

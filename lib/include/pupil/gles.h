@@ -198,9 +198,9 @@ PUPIL_API int pupil_gles_retune(pupil_gles *gles, const pupil_t *pupil, pupil_wh
 PUPIL_API int pupil_gles_balance(pupil_gles *gles, const float balance[3]);
 
 /* With config.veil: the veil of the frames that are mapped from now on (veil.h): `nodes` from pupil_veil_get_nodes,
- * `direct` from pupil_veil_result. Before the first veil nothing is mapped (PUPIL_ERR_ORDER). The picture is
- * that of pupil_veil_map_rows, as exact as any other; the light is gathered on the CPU. PUPIL_ERR_ORDER: config.veil is
- * 0. PUPIL_ERR_VALUE: direct is not from 0 to 1. */
+ * `direct` from pupil_veil_result. Before the first veil nothing is mapped (PUPIL_ERR_ORDER). The picture is that of
+ * pupil_veil_map_rows, as exact as any other; the light is gathered on the CPU. PUPIL_ERR_ORDER: config.veil is 0.
+ * PUPIL_ERR_VALUE: direct is not from 0 to 1. */
 PUPIL_API int pupil_gles_veil(pupil_gles *gles, const float *nodes, float direct);
 
 /* Deletes the GL objects (where the context is current and not lost) and the object. NULL, and twice, is allowed. */

@@ -76,10 +76,10 @@ PUPIL_API int pupil_meter(pupil_t *pupil, const pupil_image_const *in, const pup
 
 /* --- a frame as its rows arrive --- */
 
-/* begin; then each row exactly once, in groups of any size and order (of NV12 and mosaics in pairs: image.h); then end,
- * which adapts. If `out` is given, the rows are mapped in the same pass with the state before this frame (fused):
- * PUPIL_ERR_NO_EXPOSURE if there is none yet. If the number of rows is too small, pupil_frame_end refuses the frame
- * (PUPIL_ERR_ROWS) and drops it. pupil_frame_cancel drops it too.
+/* Call begin; then rows, with each row exactly once, in groups of any size and order (NV12 and mosaics in pairs:
+ * image.h); then end, which adapts. If `out` is given, the rows are mapped in the same pass with the state before this
+ * frame (fused): PUPIL_ERR_NO_EXPOSURE if there is none yet. If the number of rows is too small, pupil_frame_end
+ * refuses the frame (PUPIL_ERR_ROWS) and drops it. pupil_frame_cancel drops it too.
  */
 PUPIL_API int pupil_frame_begin(pupil_t *pupil, uint32_t width, uint32_t height, const pupil_frame_info *info);
 PUPIL_API int pupil_frame_rows(pupil_t *pupil, const pupil_image_const *rows, uint32_t first_row,
@@ -125,7 +125,7 @@ typedef struct pupil_curve {
                                     * PUPIL_LAW_EYE. v is then (1 - rods) * v + rods * (v's light for rods) * blue, in
                                     * the picture's primaries. An object of another law ignores it */
     uint32_t knots;                /* 0: Reinhard's curve, as above; PUPIL_CURVE_KNOTS: by knot[] */
-    uint32_t levels;               /* 0; or with knots, how many: 2..256 */
+    uint32_t levels;               /* 0: no levels; or with knots, how many: 2..256 */
     float knot_scale;              /* 1 / the luminance of knot[0], in the frame's units; 0..2^60 */
     float knot[PUPIL_CURVE_KNOTS]; /* 0..1; read only where knots is not 0 */
 } pupil_curve;

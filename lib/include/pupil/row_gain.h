@@ -116,10 +116,10 @@ static inline int pupil_row_gain_get(const pupil_row_gain *lamps, pupil_row_gain
     return pupil_row_gain_get_sized(lamps, result, sizeof *result);
 }
 
-/* The gains of the `height` rows of a frame, gain[0] being the top row's. By info's timestamp, the frame is the last
- * one or, to map a frame in the pass that meters it, the next one. Gains are 1/16 to 16. All are 1 if there is nothing
- * to correct, for a time before the last frame, and for more than half a second after it. PUPIL_ERR_SIZE: a height of 0
- * or above PUPIL_MAX_SIDE_PX.
+/* The gains of the `height` rows of a frame, gain[0] being the top row's. The timestamp of `info` says whether it is
+ * the last frame or, to map a frame in the pass that meters it, the next one. Gains are 1/16 to 16. All are 1 if there
+ * is nothing to correct, for a time before the last frame, and for more than half a second after it. PUPIL_ERR_SIZE: a
+ * height of 0 or above PUPIL_MAX_SIDE_PX.
  */
 PUPIL_API int pupil_row_gain_of_rows(const pupil_row_gain *lamps, const pupil_frame_info *info, uint32_t height,
                                      float *gain);

@@ -25,8 +25,8 @@
  * The wide part. A PSF is a sum of Gaussians (lobes), their standard deviations a factor of 1.6 apart. Those of
  * pupil_veil_result.narrowest_px and more are the veil; narrowest_px is a tenth of the picture's long side or a little
  * less, and 2 pixels or more. The narrower ones are bloom: their light stays in place here, and pupil_veil_result lists
- * them for bloom.h. Angles are flat, as the picture is: right in its middle, and wrong at the edges of wide ones. Where
- * this would add light (with an eye from a hundred degrees or so on), all lobes are weakened so that it does not.
+ * them for bloom.h. Angles are those of the flat picture: right in its middle, and wrong at the edges of wide ones.
+ * Where this would add light (with an eye from a hundred degrees or so on), all lobes are weakened so that it does not.
  *
  * How: the frame is gathered into 64 x 64 cells, each with the sums of its light and their first moments, so that a
  * lamp that moves makes no steps. The veil is a Fourier series with a period of twice the picture (config.period), so
