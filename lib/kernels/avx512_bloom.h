@@ -1,5 +1,5 @@
-/* lib/kernels/avx512_bloom.h: bloom_filters.h's filters in one step: a vector that begins anywhere in a line is put
- * together of two, for as good as each load of one would cross the ends of a line of the cache. */
+/* lib/kernels/avx512_bloom.h: bloom_filters.h's filters in one step: a vector that begins anywhere in a row is put
+ * together of two, because almost every load of one would cross a cache line. */
 #ifndef PUPIL_KERNELS_AVX512_BLOOM_H
 #define PUPIL_KERNELS_AVX512_BLOOM_H
 
@@ -35,7 +35,7 @@ INLINE void scatter_row(const float *const row[7], size_t ahead, const floats t[
 static void bloom_scatter(const float *const *rows, size_t ahead, const pupil_bloom_taps *taps, uint32_t n,
                           pupil_bloom_room room, const float *with, float *to)
 {
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[7] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6]};
     floats t[PUPIL_BLOOM_TAPS];
     (void)room;
@@ -67,7 +67,7 @@ INLINE void down_apart(const float *const row[8], size_t i, floats *even, floats
 static void bloom_halve(const float *const *rows, size_t ahead, uint32_t n, pupil_bloom_room room, float *to)
 {
     enum { HERE = PUPIL_BLOOM_SIDE / 2 };
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[8] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
     floats e, o, next_e, next_o;
     (void)room;
@@ -117,7 +117,7 @@ INLINE void widen_row(const float *const row[4], const floats t[4], uint32_t n, 
 static void bloom_widen(const float *const *rows, const float tap[4], uint32_t n, pupil_bloom_room room, float *to,
                         int add)
 {
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[4] = {rows[0], rows[1], rows[2], rows[3]};
     const floats t[4] = {v_all(tap[0]), v_all(tap[1]), v_all(tap[2]), v_all(tap[3])};
     (void)room;

@@ -1,5 +1,5 @@
-/* lib/kernels/bloom_filters.h: bloom's filters in two steps each, down the rows to lines in the L1 cache and then along
- * these. Whoever includes it has bloom_columns, bloom_rows and bloom_up before. */
+/* lib/kernels/bloom_filters.h: bloom's filters in two steps each: down the rows to lines in the L1 cache, then along
+ * these lines. The file that includes it has defined bloom_columns, bloom_rows and bloom_up before. */
 #ifndef PUPIL_KERNELS_BLOOM_FILTERS_H
 #define PUPIL_KERNELS_BLOOM_FILTERS_H
 
@@ -23,10 +23,10 @@ static inline __attribute__((always_inline)) void bloom_eight(const float *const
            ((BLOOM_AT(1, i) + BLOOM_AT(6, i)) * 0x1ep-9f + (BLOOM_AT(0, i) + BLOOM_AT(7, i)) * 0x5p-9f);
 }
 
-/* Every other one apart: what halves the row then takes them as they are. */
+/* Even and odd sums are stored apart, as halve_line takes them. */
 static void bloom_down(const float *const rows[8], size_t ahead, uint32_t n, float *even, float *odd)
 {
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[8] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7]};
     for (uint32_t i = 0; i < n; i += 2 * BLOOM_LANES) {
         bloom_lanes a, b;

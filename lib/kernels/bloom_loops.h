@@ -7,11 +7,11 @@
 
 enum { BLOOM_LANES = 8 };
 typedef float bloom_lanes __attribute__((vector_size(4 * BLOOM_LANES)));
-/* Anywhere in a row. */
+/* Unaligned: anywhere in a row. */
 typedef float bloom_loose __attribute__((vector_size(4 * BLOOM_LANES), aligned(4), may_alias));
 typedef int32_t bloom_places __attribute__((vector_size(4 * BLOOM_LANES)));
 
-/* A function of its own: what is inlined forgets that its pointers do not meet. */
+/* A function of its own: inlined, the compiler would forget that its pointers do not alias. */
 static __attribute__((noinline)) void bloom_above(uint32_t n, float threshold, float *restrict r, float *restrict g,
                                                   float *restrict b)
 {
@@ -39,7 +39,7 @@ static inline __attribute__((always_inline)) void bloom_eight_pixels(const float
     *any |= ((of[0] > threshold) | (of[1] > threshold)) | ((of[2] > threshold) | (of[3] > threshold));
 }
 
-/* Of pixels of four floats. Almost all are dark: 32 of them at a time, and then eight. */
+/* Of pixels of four floats. Almost all are dark: so 32 are tested at once, and eight only if one of these is not. */
 static uint32_t bloom_lamps_rgba32f(const void *source, uint32_t n, float threshold)
 {
     enum { MANY = 32, EIGHT = 8 };

@@ -1,24 +1,24 @@
-/* lib/kernels/kernels.h: what touches pixels, as one table of functions for each level (scalar, NEON, AVX2, AVX-512,
+/* lib/kernels/kernels.h: all functions that touch pixels, as one table for each level (scalar, NEON, AVX2, AVX-512,
  * WebAssembly's 128 bits).
  *
- * A row is worked in blocks of up to PUPIL_BLOCK pixels, so that what goes from one piece to the next stays in the L1
- * cache. A level that has a piece for a format goes straight from the frame's samples:
+ * A row is processed in blocks of up to PUPIL_BLOCK pixels, so that the data between two functions, or pieces, stays in
+ * the L1 cache. A level that has a piece for a format reads the frame's samples directly:
  *
  *     meter                          (metering alone: nothing is stored)
  *     scale (meters too) -> store    (mapping: planar floats in between)
  *
- * Those of its pixels that are in the histogram are then loaded once more, and counted. Any other format, and any frame
- * whose histogram has every pixel, or whose picture has other primaries, takes one step more, through planar floats:
+ * The pixels that the histogram counts are then loaded a second time. Any other format takes one step more, through
+ * planar floats; so does a frame whose histogram counts every pixel, or whose picture has other primaries:
  *
  *     load -> histogram -> meter of planes
  *     load -> histogram -> scale of planes (meters too) -> store
  *
- * To load a mosaic is three pieces: unpack (by format) to 16-bit samples, row by row; then binned, a pixel for each
- * quad, or bilinear, for each sample. A row of NV12 or I420 goes out as RGBA first, and its codes are then made into
- * Y', Cb and Cr.
+ * Three pieces load a mosaic: unpack (by format) makes 16-bit samples, row by row; then binned makes a pixel of each
+ * quad, or bilinear one of each sample. A row for NV12 or I420 is stored as RGBA first, and these codes become Y', Cb
+ * and Cr.
  *
- * Each type is written once, here; every level has the same bits (no fused multiply-add, 16 fixed lanes). The scalar
- * level is the reference, and has every piece that exists; the others have what is faster than it.
+ * Each function type is declared once, here. All levels give the same bits (no fused multiply-add, 16 fixed lanes). The
+ * scalar level is the reference and has every piece; the others have only faster ones.
  */
 #ifndef PUPIL_KERNELS_KERNELS_H
 #define PUPIL_KERNELS_KERNELS_H
@@ -29,54 +29,54 @@
 
 #define PUPIL_BLOCK   256 /* pixels; a multiple of 64, so that lanes and exponent moves line up from block to block */
 #define PUPIL_LANES   16
-#define PUPIL_SAMPLES (2 * PUPIL_BLOCK) /* of a mosaic's row: those of a block of quads */
-#define PUPIL_CEILING 0x1p30f /* the largest luminance; 4 factors of it, or of 2^-30, stay inside a float's range */
+#define PUPIL_SAMPLES (2 * PUPIL_BLOCK) /* of a mosaic's row, for a block of quads */
+#define PUPIL_CEILING 0x1p30f /* the largest luminance; a product of 4, as of 4 times 2^-30, is in a float's range */
 /* A channel's bound before it is mapped: above PUPIL_CEILING, so that the largest channel is never below Ld. */
 #define PUPIL_BRIGHTEST 0x1p31f
 
 /* --- constants of gamut.h and vector_scale.h --- */
 
-/* x^(-1/3), first from the float's bits: their third from a constant, which leaves x y^3 in 0.66..0.79. There a
- * polynomial of degree 2 (minimax by weighted least squares) leaves 2.7e-5. */
+/* x^(-1/3). The first guess y is a constant less a third of the float's bits, so that x y^3 is in 0.66..0.79. For
+ * these, a polynomial of degree 2 (minimax by weighted least squares) leaves an error of 2.7e-5. */
 #define ROOT_BITS  0x548e0000u
 #define ROOT_THIRD 0.333333343f
 #define ROOT_0     1.73338342f
 #define ROOT_1     1.19775796f
 #define ROOT_2     0.472088337f
-/* A largest component is seen as beyond grey by no less. */
+/* Lower bound of the largest component's distance from grey, which is a divisor. */
 #define LEAST_DIVISOR 0x1p-24f
-/* A component, and grey, are seen as no less beside a component beyond the limit: less would change no sum of them, and
- * the cube of less would be a denormal, which is slow. */
+/* Lower bounds of a component, and of grey, in a pixel beyond the limit: smaller values would not change the sums, and
+ * their cubes would be denormals, which are slow. */
 #define LEAST_VISIBLE 0x1p-60f
 #define LEAST_GREY    0x1p-40f
 
-/* --- a curve's knots (pupil.h), as the float whose bits say which two are around it --- */
+/* --- a curve's knots (pupil.h): a float's bits are the knot below it, and the part of the way to the next --- */
 
-#define KNOT_BITS 20                         /* above them is a knot: eight a stop */
-#define KNOT_PART ((1u << KNOT_BITS) - 1)    /* how far on it is to the next one ... */
+#define KNOT_BITS 20                         /* the bits above are the knot: eight a stop */
+#define KNOT_PART ((1u << KNOT_BITS) - 1)    /* the part of the way to the next one ... */
 #define KNOT_UNIT 0x1p-20f                   /* ... in this unit */
 #define KNOT_ZERO (0x3f800000u >> KNOT_BITS) /* the first one is at 1.0 */
 #define KNOT_LAST 0x1.dffffep15f             /* just below the last one */
 
-/* What metering a run of pixels leaves: pixel i of the run is in lane i % 16; log2 of lane = exponent + log2 product.
- */
+/* The result of metering a run of pixels. Pixel i of the run is in lane i % 16; log2 of a lane is exponent + log2
+ * product. */
 typedef struct pupil_run {
     float product[PUPIL_LANES]; /* in [1, 2) between calls */
     int32_t exponent[PUPIL_LANES];
     uint32_t black, clipped, bad;
 } pupil_run;
 
-/* 8-bit encoding, exact by construction. The cells are the float's exponent and upper 7 bits of fraction, from
+/* 8-bit encoding, exact by construction. A float's cell is its exponent and the upper 7 bits of its fraction, from
  * base_bits on; a cell holds at most one boundary of codes. Its word is (code at its start) * 65536 + (65536 - the
  * boundary's lower 16 bits), or without a boundary code * 65536. Adding the sample's lower 16 bits then carries into
- * the code exactly where the boundary is reached. */
+ * the code exactly when the boundary is reached. */
 typedef struct pupil_encoder {
     const uint32_t *cell; /* by (bits - base_bits) >> 16, up to that of 1.0 */
     uint32_t base_bits;   /* of a power of two; everything below it is code 0 */
     uint32_t transfer;    /* a pupil_transfer */
 } pupil_encoder;
 
-/* Companded codes from `from` on: light + (code - from) * slope. */
+/* The light of companded codes from `from` on: light + (code - from) * slope. */
 typedef struct pupil_line {
     float from, light, slope;
 } pupil_line;
@@ -86,18 +86,17 @@ typedef struct pupil_coder {
     /* Y'CbCr, to 0..top: y = (Y - y_zero) * y_unit; R = y + red_v * v, G = y + green_u * u + green_v * v,
      * B = y + blue_u * u with u = Cb - 128, v = Cr - 128 (512 of 10, 32768 of 16 bits) */
     float y_zero, y_unit, red_v, green_u, green_v, blue_u;
-    float y_coarse, y_fine;      /* y_unit, to 32 bits, as a sum; a code times the first one is exact */
-    const float (*light)[2];     /* light of a code 0..top, and how much more the next one's is; NULL: linear */
+    float y_coarse, y_fine;      /* y_unit, to 32 bits, as a sum; a code times y_coarse is exact */
+    const float (*light)[2];     /* light of codes 0..top, and the step to the next code's; NULL: linear */
     float top, brightest;        /* the last code of `light` (NULL: 255), and its light */
     float zero, unit;            /* grey: (code - zero) * unit; RGB10A2: unit, to 0..top */
-    float zero4, unit4[3], most; /* mosaics, of four times a sample, for R, G, B; and what none is let above */
-    int32_t ordinary4[3]; /* up to which four times a sample is surely neither cut nor clipped; negative: never */
-    uint32_t close_to_1;  /* no ordinary luminance is below 2^-15 or above 2^14; and zero4 is an integer */
-    float full4;          /* mosaics: four times the code of the largest light ... */
-    int32_t black4;       /* ... and that of no light, to the nearest */
+    float zero4, unit4[3], most; /* mosaics: of four times a sample, for R, G, B; upper bound of light */
+    int32_t ordinary4[3];        /* four times a sample, up to this, is neither clamped nor clipped; negative: none */
+    uint32_t close_to_1;         /* no ordinary luminance is below 2^-15 or above 2^14; and zero4 is an integer */
+    float full4;                 /* mosaics: four times the code of the largest light ... */
+    int32_t black4;              /* ... and of no light, rounded */
     float matrix[9];
-    uint32_t
-        lines; /* grey and mosaics: those between knees; 0: linear. Then zero, unit are 0, 1 and unit4 is balance */
+    uint32_t lines; /* grey and mosaics: those between knees, and zero, unit are 0, 1, unit4 the balance; 0: linear */
     pupil_line line[PUPIL_KNEES + 1];
     uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
 } pupil_coder;
@@ -113,9 +112,9 @@ typedef struct pupil_row {
     const uint8_t *chroma, *cr;   /* Y'CbCr in planes */
     const uint8_t *above, *below; /* mosaics: the rows next to it; at the frame's edges the picture is mirrored */
     uint32_t width;               /* of the frame, pixels */
-    uint32_t y;                   /* of the picture: which row it becomes */
+    uint32_t y;                   /* the picture's row that it becomes */
     uint32_t odd;                 /* mosaics: the second row of a quad */
-    uint32_t bins_rows;           /* how many rows it is counted for in the histogram; 0: it is not counted */
+    uint32_t bins_rows;           /* how many rows it represents in the histogram; 0: it is not counted */
     uint32_t bins_first;          /* which one of each job->histogram pixels is counted */
 } pupil_row;
 
@@ -123,11 +122,11 @@ typedef struct pupil_row {
 typedef struct pupil_tone {
     float scale, inverse_white_squared, gamut, knot_scale;
     uint32_t dither, first_row, levels;
-    float rods;        /* their share of the matrix to the picture */
+    float rods;        /* the rods' share in the matrix to the picture */
     const float *knot; /* NULL: Reinhard's */
 } pupil_tone;
 
-/* How pixels come to planes. */
+/* How pixels get into planes. */
 typedef enum pupil_way {
     PUPIL_WAY_PIXELS = 0, /* each by itself */
     PUPIL_WAY_BINNED,     /* mosaics: one for each quad, of this row and the one below */
@@ -139,34 +138,33 @@ typedef struct pupil_cones {
     float from_rgb[9], to_rgb[9];
 } pupil_cones;
 
-/* What a row of a frame is worked with; constant over the frame. */
+/* All that processing a row needs; constant over the frame. */
 typedef struct pupil_row_job {
     const struct pupil_kernels *kernels;
     const pupil_encoder *encoder;
     const pupil_coder *coder;
-    const pupil_tone *curve;  /* NULL: meter only */
-    const pupil_cones *cones; /* of the picture */
-    const struct pupil_row_job
-        *picture;            /* what maps where the picture has other primaries: this job with its luma ... */
-    const float *to_picture; /* ... after this matrix; NULL, NULL: they are the input's */
-    const float *to_peak; /* for the histogram of the brightest channel: as to_picture, also where nothing is mapped */
+    const pupil_tone *curve;             /* NULL: meter only */
+    const pupil_cones *cones;            /* of the picture */
+    const struct pupil_row_job *picture; /* if the picture has other primaries, maps it: this job with their luma ... */
+    const float *to_picture;             /* ... after this matrix; NULL, NULL: the input's primaries */
+    const float *to_peak; /* for the histogram of the brightest channel: as to_picture, but without mapping too */
     float luma[3];
     float floor, clip;
     uint32_t in_pixel, out_pixel;
     uint32_t way;        /* a pupil_way */
-    uint32_t histogram;  /* gather bins: of one of each so many pixels; 0: none */
+    uint32_t histogram;  /* gather bins from one of so many pixels; 0: none */
     uint32_t grey_world; /* mosaics: gather the sums of the channels */
     uint32_t sample;     /* Y'CbCr of 8 bits: one of so many pairs of pixels is metered; 0: all */
 } pupil_row_job;
 
-/* Of the pixels that will be read next: every second line of memory from `first` on. */
+/* What to prefetch: every second cache line of the pixels that are read next, from `first` on. */
 typedef struct pupil_lines {
     uintptr_t first;
-    size_t pixel_bytes; /* 16; or 0, and `first` is in a cache */
+    size_t pixel_bytes; /* 16; 0: nothing, and `first` is in the cache */
 } pupil_lines;
 
-/* A block as planar linear floats; grey is scratch of scale. In its place, on x86, scale leaves to store for which
- * lines that is to ask memory while it makes codes. */
+/* A block as planar linear floats; grey is scratch space of scale. On x86, scale then overwrites it with the cache
+ * lines that store is to prefetch while it makes codes. */
 typedef struct pupil_planes {
     float r[PUPIL_BLOCK], g[PUPIL_BLOCK], b[PUPIL_BLOCK];
     union {
@@ -175,20 +173,20 @@ typedef struct pupil_planes {
     };
 } pupil_planes;
 
-/* As vectors read them fastest: none lies in two lines of a cache. Not of the type: planes are in callers' memory, too.
- */
+/* Vectors read them fastest so: none crosses a cache line. Not part of the type, for planes are in callers' memory,
+ * too. */
 #define PUPIL_PLANES_ALIGNED __attribute__((aligned(64)))
 
-/* In a loop of look-ups or counts: gcc would put vectors together out of single numbers, which takes longer. */
+/* For loops of look-ups or counts: gcc would assemble vectors from single numbers, which is slower. */
 #if defined(__clang__)
 #define PUPIL_ONE_BY_ONE (void)0
 #else
 #define PUPIL_ONE_BY_ONE __asm__ volatile("")
 #endif
 
-/* n is at most PUPIL_BLOCK; in each call on a run but the last a multiple of 64. A source NULL means the planes
+/* n is at most PUPIL_BLOCK, and a multiple of 64 in all calls of a run except the last. source NULL: the planes
  * themselves. */
-/* Pixels x to x + n of a row. 1: every pixel is known to be opaque. */
+/* Pixels x to x + n of a row. Returns 1 if every pixel is known to be opaque. */
 typedef int pupil_load_kernel(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n,
                               pupil_planes *planes);
 /* Samples x to x + n of a mosaic's row; n is at most PUPIL_SAMPLES. */
@@ -200,60 +198,59 @@ typedef void pupil_binned_kernel(const pupil_coder *coder, const uint16_t *upper
  * pixel's column is one of red samples; `red_y`: whether its row is. */
 typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *const rows[3], int red_x, int red_y,
                                    uint32_t n, pupil_planes *planes);
-/* The same of companded samples, which became light before: n up to PUPIL_BLOCK quads to planes from pixel `at` on; n
- * pixels. expand: n samples to light; writes up to the next multiple of PUPIL_LANES. */
+/* The same of companded samples, after expand has made them light. expand: n samples, written up to the next multiple
+ * of PUPIL_LANES. binned_light: n quads, PUPIL_BLOCK at most, to planes from pixel `at` on. */
 typedef void pupil_expand_kernel(const pupil_coder *coder, const uint16_t *samples, uint32_t n, float *light);
 typedef void pupil_binned_light_kernel(const pupil_coder *coder, const float *upper, const float *lower, uint32_t at,
                                        uint32_t n, pupil_planes *planes);
 typedef void pupil_bilinear_light_kernel(const pupil_coder *coder, const float *const rows[3], int red_x, int red_y,
                                          uint32_t n, pupil_planes *planes);
-/* matrix: camera RGB to that of the primaries. to_picture: from primaries to primaries; components are kept within
- * -2^31 .. 2^31 before it, so that none becomes NaN that was a number, and negative ones and NaN are 0 after it. */
+/* matrix: camera RGB to that of the primaries. to_picture: from primaries to primaries. Components are clamped to -2^31
+ * .. 2^31 before it, so that no number becomes NaN; negative ones and NaN become 0 after it. */
 typedef void pupil_matrix_kernel(const float matrix[9], uint32_t n, pupil_planes *planes);
 typedef void pupil_meter_kernel(const pupil_row_job *job, const void *source, const pupil_planes *planes, uint32_t n,
                                 pupil_run *run);
-/* n quads of a mosaic from quad x on, of any number of pixels; 0: not done, the usual pieces are to be taken. */
+/* n quads of a mosaic from quad x on; n has no limit. Returns 0 if it did nothing: the usual pieces are needed. */
 typedef int pupil_quads_kernel(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run);
-/* Meters into run unless it is NULL, maps into planes: values from 0 to 1, or by rounding the float above it. 1: as
- * load. */
+/* Meters into run unless it is NULL; maps into planes, to 0..1 or, by rounding, the float above 1. Returns as load. */
 typedef int pupil_scale_kernel(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,
                                pupil_run *run);
-/* Adds to the bins, and of the brightest channel in `picture` (often the same light) to the peak bins and the peak. */
+/* Adds `light` to the bins, and the brightest channel of `picture` (often the same) to the peak bins and the peak. */
 typedef struct pupil_channels {
     const float *r, *g, *b;
 } pupil_channels;
 typedef void pupil_histogram_kernel(const pupil_row_job *job, const pupil_channels *light,
                                     const pupil_channels *picture, uint32_t n, uint32_t weight, pupil_stats *stats);
-/* Of what scale leaves, between it and store; the first pixel is the picture's at x, y. */
+/* Runs between scale and store; the first pixel is the picture's at x, y. */
 typedef void pupil_dither_kernel(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes);
-/* Of what scale leaves: nothing negative, no NaN. */
+/* Takes what scale left: nothing negative, no NaN. */
 typedef void pupil_store_kernel(const pupil_planes *planes, uint32_t n, const pupil_encoder *encoder, void *target);
 /* Writes the fourth byte of RGBA8 pixels. */
 typedef void pupil_alpha_kernel(const void *source, uint32_t n, uint8_t *rgba);
-/* The same from 0 to 1; and these to the pixels of a format with float or half alpha. */
+/* Alpha from 0 to 1; and its store to the pixels of a format with float or half alpha. */
 typedef void pupil_alpha_light_kernel(const void *source, uint32_t n, float *alpha);
 typedef void pupil_store_alpha_kernel(const float *alpha, uint32_t n, void *target);
 
-/* Of n RGBA codes. */
+/* Y' of n RGBA codes. */
 typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
-/* Mapping by luma (config.h: pupil_accuracy), in integers: light is a code's alone. Cb and Cr, less 128, times their
- * ratio are "scaled", in 1/16 of a code. A quad is two pixels of each row, with their common Cb and Cr. */
+/* Mapping by luma (config.h: pupil_accuracy), in integers: light depends on the code of Y' alone. "Scaled" Cb and Cr
+ * are less 128, times their ratio, in 1/16 of a code. A quad is two pixels of each row, with their common Cb and Cr. */
 typedef struct pupil_luma_tables {
     uint8_t luma[256]; /* what a code of Y' becomes: one of Y', or of grey R'G'B' */
-    /* The same for avx2_luma.h: each 16 entries as the difference (exclusive or) to the 16 before, anew from 128 on. */
+    /* The same for avx2_luma.h: each 16 entries exclusive-ored with the 16 before, starting again at 128. */
     uint8_t luma_steps[256];
-    /* What Cb and Cr are multiplied by, in 1/2048, by the mean of a quad's codes in steps of two. */
+    /* The factors of Cb and Cr, in 1/2048, indexed by the mean of a quad's codes in steps of two. */
     uint8_t ratio_low[128], ratio_high[128];
     int16_t red_v, blue_u, green_u, green_v; /* scaled to R'G'B' in quarters of a code, in 2^-15 */
-    /* No component may be more above grey, in quarters of a code, or the quad is mapped exactly: (at_most - slope * the
-     * largest new code of luma), and the larger of (far + slope * the least one) and PUPIL_LUMA_NOISE. Slopes are in
-     * 2^-8. */
+    /* A quad is mapped exactly if a component is further above grey, in quarters of a code, than one of two limits:
+     * surface - slope * the largest new code of luma; and far + slope * the smallest one, or PUPIL_LUMA_NOISE if that
+     * is larger. Slopes are in 2^-8. */
     int16_t surface, surface_slope, far, far_slope;
 } pupil_luma_tables;
 #define PUPIL_LUMA_QUADS 256
 #define PUPIL_LUMA_PART  64
 #define PUPIL_LUMA_NOISE 32
-/* Rows from a quad on. lower NULL: there is one row. chroma: of a quad Cb, then Cr. */
+/* Rows from a quad on. lower NULL: there is one row. chroma: Cb, then Cr, of each quad. */
 typedef struct pupil_luma_quads {
     const uint8_t *upper, *lower, *chroma;
 } pupil_luma_quads;
@@ -261,67 +258,68 @@ typedef struct pupil_luma_target {
     uint8_t *upper, *lower, *chroma; /* chroma NULL: rows of RGBA8, or with blue_first of BGRX8 */
     int blue_first;
 } pupil_luma_target;
-/* n quads, PUPIL_LUMA_QUADS at most. exact: not 0 for those that are to be mapped exactly; the result has bit p where
- * one of those is in quads p * PUPIL_LUMA_PART and following. */
+/* n quads, PUPIL_LUMA_QUADS at most. exact: not 0 for each quad that is to be mapped exactly. Bit p of the result: one
+ * of these is among the PUPIL_LUMA_PART quads from p * PUPIL_LUMA_PART on. */
 typedef uint32_t pupil_by_luma_kernel(const pupil_luma_tables *tables, const pupil_luma_quads *in, uint32_t n,
                                       const pupil_luma_target *out, uint16_t *exact);
 
-/* Of two rows (or twice the same) of n: n + n % 2 bytes. */
+/* Cb and Cr of two rows (or twice the same) of n pixels: n + n % 2 bytes. */
 typedef void pupil_chroma_kernel(const pupil_chroma_coder *coder, const uint8_t *upper, const uint8_t *lower,
                                  uint32_t n, uint8_t *chroma);
 
-/* The veil (pupil/veil.h): the light of some pixels of a row that are in one of its cells, and that times their index.
- */
+/* The veil (pupil/veil.h): sums over the pixels of a row that are in one of its cells: their light, and light times
+ * index. */
 typedef struct pupil_veil_sums {
     float sum[3], moment[3];
 } pupil_veil_sums;
-/* `count` runs of pixels that follow each other in planes, PUPIL_BLOCK at most: sums[c] of the n[c] next ones. Up to
- * seven pixels behind the last are read, and have no part in any sum. */
+/* `count` runs of pixels that follow each other in planes, PUPIL_BLOCK at most: sums[c] is of the next n[c]. Up to
+ * seven pixels after the last are read, but not summed. */
 typedef void pupil_veil_gather_kernel(const pupil_planes *planes, const uint32_t *n, uint32_t count,
                                       pupil_veil_sums *sums);
-/* The same from the pixels of a row of RGBA32F, none beyond the last. The next row, so many bytes on, is fetched into
- * the cache. */
+/* The same from a row of RGBA32F; none after the last is read. Prefetches the next row, `next_row` bytes on. */
 typedef void pupil_veil_pixels_kernel(const void *source, ptrdiff_t next_row, const uint32_t *n, uint32_t count,
                                       pupil_veil_sums *sums);
 /* What is added to a block: channel c of pixel i gets from[c][i] + part * more[c][i]. */
 typedef struct pupil_scattered {
     float from[3][PUPIL_BLOCK], more[3][PUPIL_BLOCK];
 } pupil_scattered;
-/* Of n pixels: red, green and blue times `direct` plus what is scattered to them. Up to the end of the last vector. */
+/* n pixels become themselves times `direct` plus the light that is scattered to them. Works up to the last vector's
+ * end. */
 typedef void pupil_scatter_kernel(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *scattered,
                                   float part);
 
-/* Bloom (pupil/bloom.h): a kernel of 7 x 7 taps without the corners, which is the same seen from all sides. */
+/* Bloom (pupil/bloom.h): a kernel of 7 x 7 taps without the corners, with the symmetry of a square. */
 enum { PUPIL_BLOOM_ROWS = 7, PUPIL_BLOOM_TAPS = 9 };
 typedef struct pupil_bloom_taps {
     float tap[PUPIL_BLOOM_TAPS]; /* at (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2) */
 } pupil_bloom_taps;
-/* Its filters read rows from PUPIL_BLOOM_SIDE before the first pixel on. What is so many floats `ahead` of the last
- * rows is fetched into the cache, unless it is 0. `room` is for what is noted in between. */
+/* Its filters read rows from PUPIL_BLOOM_SIDE before the first pixel on, and prefetch the last rows `ahead` floats
+ * further on, unless `ahead` is 0. `room` is scratch space. */
 enum { PUPIL_BLOOM_SIDE = 8, PUPIL_BLOOM_LINE = 208 };
 typedef float pupil_bloom_room[4][PUPIL_BLOOM_LINE];
-/* What a row gets from seven, and what `with` has unless it is NULL: for n up to its next multiple of 16. */
+/* The light that a row gets from seven rows, plus `with` unless it is NULL; n is rounded up to a multiple of 16. */
 typedef void pupil_bloom_scatter_kernel(const float *const *row, size_t ahead, const pupil_bloom_taps *taps, uint32_t n,
                                         pupil_bloom_room room, const float *with, float *to);
-/* n pixels at half the size from eight rows: for n up to its next multiple of 16. */
+/* n pixels at half the size from eight rows; n is rounded up to a multiple of 16. */
 typedef void pupil_bloom_halve_kernel(const float *const *row, size_t ahead, uint32_t n, pupil_bloom_room room,
                                       float *to);
-/* 2 n pixels at twice the size from four rows, by a tap each; with `add` they get more: for n up to its next multiple
- * of 8. */
+/* 2 n pixels at twice the size from four rows, by a tap each, stored or, with `add`, added; n is rounded up to a
+ * multiple of 8. */
 typedef void pupil_bloom_widen_kernel(const float *const *row, const float tap[4], uint32_t n, pupil_bloom_room room,
                                       float *to, int add);
-/* What of n pixels scatters: above a threshold, and within 0..PUPIL_CEILING. */
+/* The light of n pixels that scatters: above a threshold, and within 0..PUPIL_CEILING. */
 typedef void pupil_bloom_bright_kernel(const pupil_planes *planes, uint32_t n, float threshold, float *const to[3]);
-/* All of the light of n pixels of RGBA32F. The next row, so many bytes on, is fetched into the cache. Returns whether
- * they are whole: opaque, and nothing in them out of bounds. */
+/* All of the light of n pixels of RGBA32F. Prefetches the next row, `next_row` bytes on. Returns whether the pixels are
+ * whole: opaque, with no value out of bounds. */
 typedef int pupil_bloom_pixels_kernel(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3]);
-/* Which of n pixels, PUPIL_BLOCK at most, have a channel above a threshold: bit k is of pixels 8 k to 8 k + 7. Of
- * RGBA32F, and of planes. */
+/* Which of n pixels, PUPIL_BLOCK at most, have a channel above a threshold: bit k is for pixels 8 k to 8 k + 7. From
+ * RGBA32F, and from planes. */
 typedef uint32_t pupil_bloom_lamps_of_pixels_kernel(const void *source, uint32_t n, float threshold);
 typedef uint32_t pupil_bloom_lamps_kernel(const pupil_planes *planes, uint32_t n, float threshold);
 
-/* Index 0 of meter and scale, where no format is, is the piece that takes planes. NULL: not in this level; in the
- * scalar level, where only meter and scale of formats are NULL, too: not a format for that. */
+/* Index 0 of meter and scale, which is no format, is the piece for planes. NULL: this level has no such piece. In the
+ * scalar level NULL means that the format has no such use, except for meter and scale, which it has for planes alone.
+ */
 typedef struct pupil_kernels {
     pupil_load_kernel *load[PUPIL_PIXEL_COUNT];         /* by input format */
     pupil_meter_kernel *meter[PUPIL_PIXEL_COUNT];       /* by input format */
@@ -376,8 +374,9 @@ uint32_t pupil_level_choose(uint32_t mask);
 /* NULL: this build has no such level. */
 const pupil_kernels *pupil_level_kernels(uint32_t level);
 
-/* How much light a code is at light x: scale * x^power, and at least `least`: the derivative of the transfer's inverse.
- * The power is by the float's bits, bits * power + offset, to 3 %: offset = (1 - power) (127 - 0.045) 2^23. */
+/* The step of light from code to code, at light x: scale * x^power, and at least `least`: the derivative of the
+ * transfer's inverse. The power is computed on the float's bits, as bits * power + offset, to 3 %: offset = (1 - power)
+ * (127 - 0.045) 2^23. */
 typedef struct pupil_code_width {
     float power, scale, least;
     uint32_t offset;
@@ -385,8 +384,9 @@ typedef struct pupil_code_width {
 extern const pupil_code_width pupil_code_widths[PUPIL_TRANSFER_COUNT];
 
 extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
-/* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. x86_yuv.h needs the
- * light of 0 and of 255 for so many codes beyond, too: Y'CbCr has codes from -293 to 551 (coding.c). */
+/* Light of the codes 0 to 255, each with the difference to the next one's (0 at the end), rounded. x86_yuv.h also needs
+ * PUPIL_BEYOND entries before and after, with the light of 0 and of 255: Y'CbCr has codes from -293 to 551 (coding.c).
+ */
 #if defined(__x86_64__)
 #define PUPIL_BEYOND 304
 #else
@@ -395,12 +395,13 @@ extern const pupil_encoder pupil_encoders[PUPIL_TRANSFER_COUNT];
 extern const float pupil_srgb_codes[256 + 2 * PUPIL_BEYOND][2], pupil_bt709_codes[256 + 2 * PUPIL_BEYOND][2];
 #define pupil_srgb_light  (pupil_srgb_codes + PUPIL_BEYOND)
 #define pupil_bt709_light (pupil_bt709_codes + PUPIL_BEYOND)
-/* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. The difference leads to a little below
- * the next one's: the mean error is 0 (make_tables.py). */
+/* The same of PQ and HLG, at multiples of a quarter and of half a 10-bit code. The difference ends a little below the
+ * next one's light, so that the mean error is 0 (make_tables.py). */
 #define PUPIL_PQ_TOP  4092
 #define PUPIL_HLG_TOP 2046
 extern const float pupil_pq_light[PUPIL_PQ_TOP + 1][2], pupil_hlg_light[PUPIL_HLG_TOP + 1][2];
-/* The first of these alone: for where nothing is interpolated, a smaller table with a shorter way to its entries. */
+/* The light of pupil_srgb_codes alone, for use without interpolation: a smaller table whose entries are faster to
+ * reach. */
 extern const float pupil_srgb8_to_linear[256];
 
 /* Pixels (quads, where job->way is binned) x to x + n of a row, that all have the metering weight `weight`; 0 or stats
@@ -408,8 +409,8 @@ extern const float pupil_srgb8_to_linear[256];
 void pupil_work_run(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint8_t *target,
                     uint32_t weight, uint32_t band, pupil_stats *stats);
 
-/* The same of n pixels, PUPIL_BLOCK at most, that are in planes already: light of the job's input, x and y of the
- * picture. `source`: their pixels, for alpha; NULL: opaque. */
+/* Maps n pixels, PUPIL_BLOCK at most, that are in planes already, as light of the job's input; x and y are the
+ * picture's. `source`: their pixels, for alpha; NULL: opaque. */
 void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t n, pupil_planes *planes,
                       const void *source, uint8_t *target);
 
@@ -423,8 +424,9 @@ typedef struct pupil_yuv_rows {
 void pupil_map_yuv(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_row *upper,
                    const pupil_row *lower, uint32_t x, uint32_t end, const pupil_yuv_rows *to);
 
-/* By luma: those of a run that job->sample selects, metered; the tables (coder NULL: for R'G'B'); two rows of n pixels,
- * to 4:2:0 of the same coding; two rows or one (lower NULL) to RGBA8 or BGRX8. */
+/* By luma, in this order: meters the pixels of a run that job->sample selects; makes the tables (coder NULL: for
+ * R'G'B'); maps two rows of n pixels to 4:2:0 of the same coding; maps two rows or one (lower NULL) to RGBA8 or BGRX8.
+ */
 void pupil_meter_sampled(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint32_t weight,
                          uint32_t band, pupil_stats *stats);
 void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *coder, pupil_luma_tables *tables);
@@ -432,7 +434,7 @@ void pupil_map_luma(const pupil_row_job *job, const pupil_chroma_coder *coder, c
                     const pupil_row *upper, const pupil_row *lower, uint32_t n, const pupil_yuv_rows *to);
 void pupil_map_luma_rgb(const pupil_row_job *job, const pupil_luma_tables *tables, const pupil_row *upper,
                         const pupil_row *lower, uint32_t n, uint8_t *upper_to, uint8_t *lower_to);
-/* The same of n pixels, PUPIL_BLOCK at most, that are RGBA codes already. lower NULL: there is none. */
+/* As pupil_map_yuv, of n pixels, PUPIL_BLOCK at most, that are RGBA codes already. lower NULL: there is none. */
 void pupil_yuv_of_codes(const pupil_kernels *kernels, const pupil_chroma_coder *coder, const uint8_t *upper,
                         const uint8_t *lower, uint32_t n, const pupil_yuv_rows *to);
 

@@ -5,8 +5,8 @@
  *     vector_store.h      store_vectors, for x86
  *     vector_table.h      the level's kernels, and the entries of its table
  *
- * Pixels go by groups of 16: WAYS vectors, one or more for each lane of a run. The operations of a pixel are those of
- * scalar.c, one by one, so that the bits are the same.
+ * Pixels are processed in groups of 16, one for each lane of a run, in WAYS vectors. The operations of a pixel are
+ * those of scalar.c, one by one, so that the bits are the same.
  */
 #ifndef PUPIL_KERNELS_VECTOR_H
 #define PUPIL_KERNELS_VECTOR_H
@@ -17,11 +17,11 @@
 #ifndef DENORMALS_ARE_SLOW
 #define DENORMALS_ARE_SLOW 0
 #endif
-/* How far ahead of its work a loop asks for memory; 0: the CPU does so by itself. */
+/* How far ahead a loop prefetches; 0: the CPU does so by itself. */
 #ifndef FETCH_AHEAD_BYTES
 #define FETCH_AHEAD_BYTES 0
 #endif
-/* gcc -O2 needs this to keep what a loop carries in registers; clang does so by itself. */
+/* gcc -O2 needs this to keep a loop's state in registers; clang does so by itself. */
 #if defined(__clang__)
 #define FOR_EACH_WAY(k) for (int k = 0; k < WAYS; k++)
 #define FOR_FOUR(k)     for (int k = 0; k < 4; k++)
@@ -30,8 +30,8 @@
 #define FOR_EACH_WAY(k) _Pragma("GCC unroll 4") for (int k = 0; k < WAYS; k++)
 #endif
 
-/* The lines of memory that are `ahead` of `bytes` from p on, one of each `step` bytes, be they read or written. What is
- * there does not matter: as a rule it is the same row, or the next one. */
+/* Prefetches the cache lines that are `ahead` of `bytes` from p on, one of each `step` bytes, to be read or written.
+ * Any address is allowed: as a rule it is in the same row, or the next one. */
 INLINE void fetch_each(const void *p, size_t bytes, size_t ahead, size_t step)
 {
     for (size_t line = 0; FETCH_AHEAD_BYTES && line < bytes; line += step)
@@ -45,7 +45,7 @@ INLINE void fetch(const void *p, size_t bytes, size_t ahead)
 
 typedef struct group { /* 16 pixels */
     floats r[WAYS], g[WAYS], b[WAYS], l[WAYS];
-    ints top;    /* the largest bits, as unsigned numbers, of any channel are those of one of these */
+    ints top;    /* the largest bits of any channel, as unsigned numbers, are in one of its lanes */
     mask opaque; /* all true: every alpha is at least 1 */
 } group;
 
@@ -53,11 +53,11 @@ typedef struct lanes {
     floats product[WAYS];
 } lanes;
 
-/* Bits of a float that are at most a limit, as unsigned numbers, are a float that is not negative, not NaN, and at most
- * the limit. Pixels whose channels are all so need not be clamped, or counted one by one: almost all are. */
+/* A float whose bits, as an unsigned number, are at most a limit's is not negative, not NaN, and at most the limit.
+ * Pixels whose channels all pass this test (almost all do) need not be clamped, or counted one by one. */
 typedef struct meter_constants {
     floats weight[3], floor, clip, ceiling;
-    ints bounded;  /* no luminance above PUPIL_CEILING comes from these */
+    ints bounded;  /* channels up to this give no luminance above PUPIL_CEILING */
     ints ordinary; /* and below the clip */
 } meter_constants;
 
@@ -76,7 +76,7 @@ INLINE meter_constants meter_constants_of(const pupil_row_job *job)
     c.floor = v_all(job->floor);
     c.clip = v_all(job->clip);
     c.ceiling = v_all(PUPIL_CEILING);
-    /* The weights' sum is 1. A primary beyond all colours has a negative one: then no channel but 0 is bounded. */
+    /* The weights' sum is 1. An imaginary primary has a negative one: then only a channel of 0 is bounded. */
     const int positive = job->luma[0] >= 0.0f && job->luma[1] >= 0.0f && job->luma[2] >= 0.0f;
     const float bound = positive ? PUPIL_CEILING / 2 : 0x1p-149f;
     c.bounded = v_all_ints(pupil_bits_of_float(bound) - 1);
@@ -101,7 +101,7 @@ INLINE void luminance_of(group *p, const meter_constants *c)
     FOR_EACH_WAY(k) p->l[k] = luminance(p->r[k], p->g[k], p->b[k], c);
 }
 
-/* In a sum that is above any floor denormals change nothing. */
+/* Denormals do not change a sum that is above any floor. */
 INLINE floats without_denormals(floats v)
 {
     if (!DENORMALS_ARE_SLOW)
@@ -110,14 +110,14 @@ INLINE floats without_denormals(floats v)
     return v_select(v_less(size, v_all(0x1p-126f)), v_all(0.0f), v);
 }
 
-/* Of a group that may hold anything. */
+/* Of a group with any values. */
 INLINE void luminance_of_any(group *p, const meter_constants *c)
 {
     FOR_EACH_WAY(k)
     p->l[k] = luminance(without_denormals(p->r[k]), without_denormals(p->g[k]), without_denormals(p->b[k]), c);
 }
 
-/* Of 64 pixels, to see once whether there is anything to clamp or to count in them. */
+/* Of 64 pixels, so that one test shows whether any of them must be clamped or counted. */
 typedef struct extremes {
     ints top;
     floats least;
@@ -185,7 +185,7 @@ INLINE void meter_hard(const group *p, const meter_constants *c, lanes *s, uint3
     }
 }
 
-/* And all of s goes to the run. */
+/* Also stores all of s in the run. */
 INLINE void move_exponents(lanes *s, pupil_run *run)
 {
     FOR_EACH_WAY(k)

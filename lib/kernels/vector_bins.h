@@ -1,9 +1,9 @@
-/* lib/kernels/vector_bins.h: the histogram, as scalar.c's, by vectors: with the functions of avx2_luma.h,
- * avx512_luma.h, neon_luma.h or wasm128_luma.h, whose w_ is of 16-bit words and b_ of bytes.
+/* lib/kernels/vector_bins.h: the histogram, as scalar.c's, by vectors and the functions of avx2_luma.h, avx512_luma.h,
+ * neon_luma.h or wasm128_luma.h: w_ is for 16-bit words, b_ for bytes.
  *
- * Pixels that are near each other are in few bins, and one that is added to a bin waits for the one before, where that
- * is in the same bin. So all pixels are compared, as bytes, with each bin from the lowest to the highest, and a bin is
- * added to once. Where the bins are many, pixels are added one by one: they seldom wait. */
+ * Neighbouring pixels are in few bins, and each addition to a bin waits for the one before if that is to the same bin.
+ * So all pixels are compared, as bytes, with each bin from the lowest to the highest, and a bin is added to once. If
+ * there are many bins, pixels are added one by one: they seldom wait. */
 #ifndef PUPIL_KERNELS_VECTOR_BINS_H
 #define PUPIL_KERNELS_VECTOR_BINS_H
 
@@ -11,7 +11,7 @@
 
 enum { IN_WORDS = 2 * WIDTH, IN_BYTES = 4 * WIDTH, NO_BIN = 0x7fff };
 
-/* The upper bits of each pixel's luminance or brightest channel; the first one of a histogram is in bin 0. */
+/* The upper bits of each pixel's luminance or brightest channel; a histogram's first one is bin 0. */
 typedef struct word_bins {
     uint16_t word[PUPIL_BLOCK];
     v_words least, most;
@@ -53,7 +53,7 @@ INLINE void find_bins(const pupil_channels *light, const pupil_channels *picture
     put_words(&to->peak, at, peak_bin[0], peak_bin[1]);
 }
 
-/* The last pixels of n, from i on, which are fewer: the first of them is repeated, and then taken off again. */
+/* The last pixels of n, from i on, which are fewer: the first of them is repeated, and its copies are not counted. */
 static __attribute__((noinline)) void find_last_bins(const pupil_channels *light, const pupil_channels *picture,
                                                      uint32_t i, uint32_t n, const meter_constants *c, block_bins *to)
 {
@@ -98,7 +98,7 @@ INLINE void count_by_bins(const uint16_t *word, uint32_t least, uint32_t span, u
         }
 }
 
-/* One after the other. Pixels follow others that are far away, which are less often in the same bin. */
+/* One by one, in turns from four quarters: pixels that are far apart are less often in the same bin. */
 INLINE void count_by_pixels(const uint16_t *word, uint32_t n, uint32_t first, uint32_t weight, uint64_t *bin)
 {
     const uint32_t quarter = n / 4;

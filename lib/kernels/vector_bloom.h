@@ -28,7 +28,7 @@ INLINE float bound_one(float v)
     return v < PUPIL_CEILING ? v : PUPIL_CEILING;
 }
 
-/* Whole vectors, where they are not beyond the line's end, and then one by one. */
+/* Whole vectors up to the line's end, and then one by one. */
 INLINE void bright_channel(const float *from, uint32_t n, float *to)
 {
     uint32_t i = 0;
@@ -38,7 +38,7 @@ INLINE void bright_channel(const float *from, uint32_t n, float *to)
         to[i] = bound_one(from[i]);
 }
 
-/* The same from pixels of four floats, with no threshold. Bits are compared, for -0 becomes 0. */
+/* The same from pixels of four floats, without a threshold. Bits are compared, because -0 becomes 0. */
 static int bloom_light_rgba32f(const void *source, ptrdiff_t next_row, uint32_t n, float *const to[3])
 {
     const uint8_t *at = source;
@@ -78,7 +78,8 @@ static void bloom_bright(const pupil_planes *planes, uint32_t n, float threshold
         bloom_above(n, threshold, to[0], to[1], to[2]);
 }
 
-/* The columns' sums of seven rows, in pixel i: of the kernel in its middle, and a pixel, two and three beside that. */
+/* The columns' sums of seven rows, at pixel i: of the kernel's middle column, and of those one, two and three pixels
+ * away. */
 INLINE void columns_at(const float *const row[7], const floats t[PUPIL_BLOOM_TAPS], size_t i, floats sum[4])
 {
     const floats m = v_load(row[3] + i), a = both_of(row[2] + i, row[4] + i);
@@ -101,7 +102,7 @@ INLINE floats up_at(const float *const row[4], const floats t[4], size_t i)
 
 static void bloom_up(const float *const rows[4], const float tap[4], uint32_t n, float *to)
 {
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[4] = {rows[0], rows[1], rows[2], rows[3]};
     const floats t[4] = {v_all(tap[0]), v_all(tap[1]), v_all(tap[2]), v_all(tap[3])};
     for (size_t i = 0; i < (n + 15) / 16 * 16; i += WIDTH)
@@ -111,7 +112,7 @@ static void bloom_up(const float *const rows[4], const float tap[4], uint32_t n,
 static void bloom_columns(const float *const *rows, size_t ahead, const pupil_bloom_taps *taps, uint32_t n,
                           pupil_bloom_room to)
 {
-    /* which nothing writes to */
+    /* local copies, so that the compiler knows that no store changes them */
     const float *const row[7] = {rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6]};
     floats t[PUPIL_BLOOM_TAPS], sum[4];
     FOR_EACH_OF(PUPIL_BLOOM_TAPS, k) t[k] = v_all(taps->tap[k]);

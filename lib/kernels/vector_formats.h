@@ -1,5 +1,6 @@
 /* lib/kernels/vector_formats.h: how a group of pixels of a format is loaded, and the loops over groups that meter and
- * map. Almost every group is ordinary (vector.h); one that is not is done again, by slower functions that can do any.
+ * map. Almost every group is ordinary (vector.h); one that is not is done again, by slower functions that take any
+ * values.
  *
  * The loops are written once, for a `format` whose functions they call by pointer. All of them are inlined into a
  * kernel that has its format as a constant (vector_table.h), so that no pointer is left in the machine code. */
@@ -43,7 +44,7 @@ typedef struct format {
     /* ... to planes, from their pixel i on, as scale_vector; returns the largest bits */
     ints (*scale)(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,
                   pupil_planes *planes, mask *beyond, mask *opaque, float *lum);
-    /* the last n pixels of a run, fewer than 16, as a whole group; NULL: pixels are one after another */
+    /* the last n pixels of a run, fewer than 16, as a whole group; NULL: pixels are contiguous */
     void (*rest)(const uint8_t *source, size_t n, group *p);
     /* the bits of a float from the largest bits that `sum` and `scale` have found; NULL: they are a float's already */
     ints (*top)(ints top);
@@ -105,7 +106,7 @@ INLINE ints scale_ordinary(const format *f, const uint8_t *source, const meter_c
     return p.top;
 }
 
-/* Of memory that follows these pixels; planes are in a cache already. */
+/* Prefetches what follows these pixels; planes are in the cache already. */
 INLINE void fetch_ahead(const format *f, const uint8_t *source, size_t pixels, int all_lines)
 {
     if (f->rest)
@@ -120,7 +121,7 @@ INLINE ints top_bits(const format *f, ints top)
     return f->top ? f->top(top) : top;
 }
 
-/* What is behind the last n pixels of a run repeats the first of them. */
+/* Fills the last n pixels of a run up to a group, by repeating the first of them. */
 static void copy_rest(uint8_t *rest, const uint8_t *source, size_t bytes, size_t pixel_bytes)
 {
     for (size_t i = 0; i < PUPIL_LANES * pixel_bytes; i++)
@@ -167,12 +168,12 @@ INLINE int load_groups(const format *f, const uint8_t *source, uint32_t n, pupil
 
 /* --- meter --- */
 
-/* Pixels from i on, of any values: 64 by 64 as long as some are counted, and the last ones, which are fewer.
- * Returns the first pixel that is left. Each format has its own that is not inlined: what is rare must not take
- * registers from what is not. */
+/* Meters pixels from i on, of any values: 64 by 64 as long as some are counted, and the last ones, which are fewer.
+ * Returns the first pixel that is left. Each format has its own that is not inlined: the rare path must not take
+ * registers from the usual one. */
 typedef size_t hard_meter(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_run *run);
 
-/* 1: nothing in them was counted, so the next ones may well be ordinary. */
+/* Returns 1 if none of them was counted: the next ones may well be ordinary. */
 INLINE int meter_64_hard(const format *f, const uint8_t *source, const meter_constants *c, lanes *s, pupil_run *run)
 {
     const uint32_t before = run->black + run->clipped + run->bad;
@@ -210,7 +211,7 @@ INLINE size_t meter_groups_hard(const format *f, const pupil_row_job *job, const
 }
 
 /* Pixels from i on, as long as all of the next 64 are ordinary. Returns the first pixel that is left. After each 64 the
- * exponents are moved, because up to four factors may be in the products. */
+ * exponents are moved, because the products have room for four factors. */
 INLINE size_t meter_ordinary(const format *f, const meter_constants *c, const uint8_t *source, size_t i, size_t n,
                              pupil_run *run)
 {
@@ -255,15 +256,15 @@ INLINE void keep_top(kept *keep, size_t i, ints top)
     *of_64 = i % (4 * PUPIL_LANES) ? v_max_unsigned(*of_64, top) : top;
 }
 
-/* What scaling finds out about a block beside its planes. */
+/* What scaling finds out about a block, besides its planes. */
 typedef struct scaled_block {
     group_list over;
     mask opaque;
     kept *keep; /* NULL: the block is not metered */
 } scaled_block;
 
-/* Groups of pixels from i on, of any values, as long as they are not bounded, and the last one, which may be less than
- * a group. Returns the first pixel that is left. As hard_meter, for each format. */
+/* Scales groups of pixels from i on, of any values, as long as they are not bounded; the last one may be less than a
+ * group. Returns the first pixel that is left. Each format has its own, as with hard_meter. */
 typedef size_t hard_scale(const pupil_row_job *job, const uint8_t *source, size_t i, size_t n, pupil_planes *planes,
                           scaled_block *to);
 
@@ -272,7 +273,7 @@ INLINE size_t scale_groups_hard(const format *f, const pupil_row_job *job, const
 {
     const meter_constants c = meter_constants_of(job);
     scale_constants d = scale_constants_of(job->curve);
-    /* A denormal is code 0 whatever the scale, which is 2^60 at most; where light is stored it remains. */
+    /* A denormal is code 0 at any scale, which is 2^60 at most; where light is stored, it remains. */
     if (pupil_pixel_bytes(job->out_pixel) <= 4)
         d.faintest = v_all(0x1p-126f);
     for (; i < n; i += PUPIL_LANES) {
@@ -293,7 +294,7 @@ INLINE size_t scale_groups_hard(const format *f, const pupil_row_job *job, const
     return n;
 }
 
-/* To store: NULL, or the pixels of 16 bytes of which every second line is to be fetched, a page ahead. */
+/* Leaves to store the pixels of 16 bytes of which it is to prefetch every second line, a page ahead; NULL: none. */
 INLINE void leave_lines(pupil_planes *planes, const uint8_t *source)
 {
     if (!FETCH_AHEAD_BYTES)
@@ -310,8 +311,8 @@ INLINE int scale_groups(const format *f, hard_scale *hard, const pupil_row_job *
     const scale_constants d = scale_constants_of(job->curve);
     mask opaque = v_at_least(v_all(1.0f), v_all(1.0f));
     scaled_block to; /* not cleared as a whole, which would take as long as a group */
-    /* A block of RGBA float asked for at once has to be waited for, and while its codes are made memory would do
-     * nothing: there the store asks for every second line. */
+    /* If all of a block of RGBA float were prefetched here, this loop would wait for it, and memory would be idle while
+     * its codes are made: so store prefetches every second line. */
     const int all_lines = !FETCH_AHEAD_BYTES || f->bytes < 16 || pupil_pixel_bytes(job->out_pixel) > 4;
     uint64_t any = 0;
     size_t i = 0, done = 0; /* by `hard` */
@@ -363,7 +364,7 @@ INLINE size_t meter_kept_ordinary(const meter_constants *c, size_t i, size_t n, 
     return i;
 }
 
-/* 64 pixels that are not ordinary go the hard way, from their source. */
+/* 64 pixels that are not ordinary are metered by `hard`, from their source. */
 INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t *source, uint32_t n, const kept *keep,
                        pupil_run *run)
 {
@@ -376,7 +377,7 @@ INLINE void meter_kept(hard_meter *hard, const pupil_row_job *job, const uint8_t
     } while (i < n);
 }
 
-/* Their pixels are floats apart by the lengths of pupil_planes; of alpha nothing is known. */
+/* The channels are at the offsets of pupil_planes; alpha is not known. */
 INLINE void load_from_planes(const void *source, floats *r, floats *g, floats *b, floats *a)
 {
     const uint8_t *at = source;
@@ -386,7 +387,7 @@ INLINE void load_from_planes(const void *source, floats *r, floats *g, floats *b
     *a = v_all(0.0f);
 }
 
-/* What is behind the last n pixels is black. */
+/* The lanes after the last n pixels are black. */
 INLINE void rest_of_planes(const uint8_t *source, size_t n, group *p)
 {
     static const size_t at[3] = {offsetof(pupil_planes, r), offsetof(pupil_planes, g), offsetof(pupil_planes, b)};
@@ -404,7 +405,7 @@ INLINE void rest_of_planes(const uint8_t *source, size_t n, group *p)
     p->opaque = v_greater(v_all(0.0f), v_all(0.0f));
 }
 
-/* Leaves a group that is not ordinary as it is: source and target are one. */
+/* Leaves a group that is not bounded as it is, because source and target are the same. */
 INLINE ints scale_in_planes(const uint8_t *source, const meter_constants *c, const scale_constants *d, size_t i,
                             pupil_planes *planes, mask *beyond, mask *opaque, float *lum)
 {

@@ -1,5 +1,5 @@
-/* lib/kernels/vector_knots.h: a curve by its knots in vectors, as scalar.c's tone_by_knots(). Planes alone: what has
- * such a curve has a histogram, too, and loads its pixels to planes for that. */
+/* lib/kernels/vector_knots.h: a curve by its knots in vectors, as scalar.c's tone_by_knots(). For planes alone: a frame
+ * with such a curve has a histogram too, and loads its pixels to planes for that. */
 #ifndef PUPIL_KERNELS_VECTOR_KNOTS_H
 #define PUPIL_KERNELS_VECTOR_KNOTS_H
 
@@ -22,7 +22,7 @@ INLINE knot_constants knot_constants_of(const pupil_tone *curve)
                             .in_levels = curve->levels != 0};
 }
 
-/* A vector of any values to planes, from pixel `at` on; which of them are beyond the display's gamut. */
+/* A vector of any values to planes, from pixel `at` on; returns which pixels are beyond the display's gamut. */
 INLINE mask scale_vector_by_knots(floats r, floats g, floats b, floats l, const scale_constants *c,
                                   const knot_constants *k, size_t at, pupil_planes *planes)
 {

@@ -1,5 +1,5 @@
-/* lib/kernels/vector_luma.h: by_luma.h with vectors of bytes, and of 16-bit words, one for a quad: with the functions
- * of avx2_luma.h, avx512_luma.h, neon_luma.h or wasm128_luma.h, whose w_ is of words and b_ of bytes. The same bits. */
+/* lib/kernels/vector_luma.h: by_luma.h with vectors of bytes, and of 16-bit words, one for a quad, by the functions of
+ * avx2_luma.h, avx512_luma.h, neon_luma.h or wasm128_luma.h: w_ is for words, b_ for bytes. The same bits. */
 #ifndef PUPIL_KERNELS_VECTOR_LUMA_H
 #define PUPIL_KERNELS_VECTOR_LUMA_H
 
@@ -29,13 +29,13 @@ INLINE luma_words luma_words_of(const pupil_luma_tables *t)
                         .noise = w_all(PUPIL_LUMA_NOISE)};
 }
 
-/* Which ratio, of the quads in two vectors of pixels: an eighth of four pixels' sum. */
+/* The index of the ratio, for the quads in two vectors of pixels: an eighth of four pixels' sum. */
 INLINE v_words mean_of(v_bytes upper, v_bytes lower)
 {
     return w_right(w_add(b_sums(upper), b_sums(lower)), 3);
 }
 
-/* Cb and Cr in turns, times the ratio. */
+/* Interleaved Cb and Cr, times the ratio. */
 INLINE scaled_words scaled_by(const luma_words *c, v_words pairs, v_words ratio)
 {
     scaled_words s;
@@ -47,7 +47,7 @@ INLINE scaled_words scaled_by(const luma_words *c, v_words pairs, v_words ratio)
     return s;
 }
 
-/* All ones where a quad is to be mapped exactly; of its new codes. */
+/* All ones where a quad is to be mapped exactly, by its new codes. */
 INLINE v_words is_beyond(const luma_words *c, const scaled_words *s, v_bytes upper, v_bytes lower)
 {
     const v_words high = w_of_bytes(b_max(upper, lower)), low = w_of_bytes(b_min(upper, lower));
@@ -69,7 +69,7 @@ static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, ui
         luma_by_table(&e, t->luma, in->lower, 2 * n, lower);
 }
 
-/* Two vectors of quads, from i on; `codes`: as luma_rows wrote them. */
+/* Two vectors of quads, from i on; upper, lower: codes as luma_rows wrote them. */
 typedef struct luma_step {
     scaled_words s[2];
     v_words beyond[2];

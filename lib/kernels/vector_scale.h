@@ -8,7 +8,7 @@
 
 typedef struct scale_constants {
     floats scale, inverse_white_squared, gamut, knee, above_knee;
-    floats faintest; /* where denormals are slow: the least of a channel that is not mapped as 0 */
+    floats faintest; /* where denormals are slow: the smallest channel that is not mapped as 0 */
 } scale_constants;
 
 INLINE scale_constants scale_constants_of(const pupil_tone *curve)
@@ -56,8 +56,8 @@ INLINE floats row_times_cone(const float row[3], floats a, floats c)
     return v_add(v_add(v_mul(v_all(row[0]), a), v_all(row[1])), v_mul(v_all(row[2]), c));
 }
 
-/* Vectors at a time: each has a long way to go, and none waits for another. Where vectors are short, an ARM board's,
- * what must be kept between the steps takes more instructions. */
+/* Vectors at a time: each is a long chain of dependent instructions, and none waits for another. With an ARM board's
+ * short vectors, keeping values between the steps takes more instructions. */
 enum { IN_A_FIT = WIDTH > 4 ? 4 : 1 };
 #if defined(__clang__)
 #define FOR_EACH_FIT(k) for (int k = 0; k < IN_A_FIT; k++)
@@ -65,9 +65,9 @@ enum { IN_A_FIT = WIDTH > 4 ? 4 : 1 };
 #define FOR_EACH_FIT(k) _Pragma("GCC unroll 4") for (int k = 0; k < IN_A_FIT; k++)
 #endif
 
-/* From pixels at[k] on, WIDTH each, some of which are beyond the display's gamut: gamut.h's fit_gamut. Where grey is
- * white, room is 0, `most` and `part` are 1, and so is the result, but for its rounding: that is what `least` is for.
- * Two of them may be the same. */
+/* gamut.h's fit_gamut, for vectors at[k] of a block, in each of which a pixel is beyond the display's gamut. Where grey
+ * is white, room is 0, `most` and `part` are 1, and so is the result, except for its rounding, which `least` corrects.
+ * Two of the vectors may be the same. */
 INLINE void fit_gamut(const uint8_t at[IN_A_FIT], pupil_planes *planes, const scale_constants *c,
                       const pupil_cones *cones)
 {
@@ -139,8 +139,8 @@ static void dither(uint32_t transfer, uint32_t x, uint32_t y, uint32_t n, pupil_
     }
 }
 
-/* The vectors of a block that want a second look, which they get after the loop: a call or an unforeseen branch inside
- * it would cost more than all of them. 64 / WAYS bits for each vector, not all 0 where it wants one. */
+/* The vectors of a block that need a second pass, after the loop: a call or a mispredicted branch inside the loop would
+ * cost more than the pass. 64 / WAYS bits for each vector, not all 0 if it needs one. */
 typedef struct group_list {
     uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
 } group_list;
@@ -169,7 +169,7 @@ INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_con
     return v_greater(max_of_3(r, g, b), limit);
 }
 
-/* A group that may hold anything. */
+/* A group with any values. */
 INLINE void scale_hard(const group *p, const scale_constants *c, size_t i, pupil_planes *planes, float *lum,
                        group_list *over)
 {

@@ -3,13 +3,13 @@
  * The code of a sample is exact by construction (kernels.h: pupil_encoder). Looking up 24 cells for 8 pixels would take
  * longer than all the rest. So sRGB is computed first, to a known error: by a polynomial in the fraction times a power
  * of the exponent (f = 1.055 x^(5/12) - 0.055; IEC 61966-2-1), and near black by two lines. Only where the result is
- * as near to a boundary of two codes as that error, in about one of 1200 samples, the cell decides. (With a degree
- * less it was one of 190, and those few took a third of the time: they cannot be foreseen, so branches are wrong.)
+ * within that error of a boundary between two codes, in about one of 1200 samples, the cell decides. (With a degree
+ * less it was one of 190, which took a third of the time: their branches are mispredicted.)
  */
 #include "vector_scale.h"
 
-/* In 1/65536 code. ERROR: at least the largest error of all floats (23.5; a test tries each of them); of the lines near
- * black TOE_ERROR. */
+/* In 1/65536 code. ERROR is an upper bound of the error over all floats (23.5; a test tries each of them), TOE_ERROR
+ * that of the lines near black. */
 #define CODE          65536.0f
 #define ERROR         28.0f
 #define TOE_ERROR     176.0f
@@ -48,7 +48,7 @@ INLINE srgb_constants srgb_constants_of(void)
     return c;
 }
 
-/* Of three channels at a time: each has a long way to go, and none waits for another. */
+/* Three channels at a time: each is a long chain of dependent instructions, and none waits for another. */
 enum { GUESSES = 3 };
 #if defined(__clang__)
 #define FOR_EACH_GUESS(k) for (int k = 0; k < GUESSES; k++)
@@ -56,8 +56,8 @@ enum { GUESSES = 3 };
 #define FOR_EACH_GUESS(k) _Pragma("GCC unroll 8") for (int k = 0; k < GUESSES; k++)
 #endif
 
-/* x from 2^-8, where it is `dark` from 0, to just below 1. The code in the upper half, and whether it is certain
- * in the lower: not below UNCERTAIN (dark: UNCERTAIN_TOE). */
+/* x is from 2^-8 (from 0 if `dark`) to just below 1. The upper half of the result is the code, which is certain if the
+ * lower half is not below UNCERTAIN (dark: UNCERTAIN_TOE). */
 INLINE void srgb_guess(const floats x[GUESSES], const srgb_constants *c, int dark, ints to[GUESSES])
 {
     floats m[GUESSES], code[GUESSES], power[GUESSES];
@@ -87,7 +87,7 @@ INLINE ints code_of_cell(floats x, const pupil_encoder *e)
     return v_plus(cell, v_and(bits, v_all_ints(0xffff)));
 }
 
-/* Each code is in the upper half of its number; above the second one's all bits are set, which is alpha. */
+/* Each code is in the upper half of its number; all bits above the second code are set, which is alpha. */
 INLINE ints pixel_of(ints first, ints second, ints third)
 {
     return v_bytes_in_turns(v_halves(v_right(first, 16), third), v_right_signed(second, 8));
@@ -101,9 +101,8 @@ INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
         v_store_three(pixels, target);
 }
 
-/* The pixels of a block whose codes are not certain, a bit each. They wait until after the loop, as those of group_list
- * do. Where the bits go does not depend on what is found; a list of the few would have to be read by branches that
- * nobody foresees. */
+/* A bit for each pixel of a block whose codes are not certain. They wait until after the loop, as those of group_list
+ * do. Storing the bits takes no branch; making a list of the few would take branches that are mispredicted. */
 typedef struct pixel_bits {
     uint8_t of[PUPIL_BLOCK / 8];
 } pixel_bits;
@@ -115,7 +114,7 @@ INLINE void put_bits(pixel_bits *bits, size_t i, uint32_t of_vector)
         bits->of[i / 8 + 1] = (uint8_t)(of_vector >> 8);
 }
 
-/* The codes of three channels of the noted ones of n pixels, by their cells. */
+/* The codes of three channels, by their cells, of those of n pixels whose bits are set. */
 static void settle(pixel_bits *bits, uint32_t n, const float *first, const float *second, const float *third,
                    const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
@@ -132,14 +131,14 @@ static void settle(pixel_bits *bits, uint32_t n, const float *first, const float
     }
 }
 
-/* Of the pixels that will be read next: scale asks for the other lines. Where there is nothing to ask for, these are in
- * a cache: a branch took longer. */
+/* Prefetches every second cache line of the pixels that are read next; scale prefetches the others. If there is nothing
+ * to prefetch, the addresses are in the cache already: a branch took longer. */
 INLINE void fetch_second_lines(pupil_lines next, size_t i)
 {
     fetch_each((const void *)next.first, 16 * WIDTH, next.pixel_bytes * i, 128);
 }
 
-/* Whose guesses are not all certain. */
+/* Returns the pixels whose guesses are not all certain. */
 INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
 {
     ints code[3];
@@ -149,8 +148,8 @@ INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, 
     return v_equal_ints(v_min_halves(rest, v_all_ints(0xffff0000u | ((dark ? UNCERTAIN_TOE : UNCERTAIN) - 1))), rest);
 }
 
-/* Whole vectors as long as they do not write beyond the last pixel; the first pixel that is left. Dark
- * samples are in few vectors, side by side: a branch is cheaper than the toe for all. */
+/* Stores whole vectors as long as they do not write beyond the last pixel; returns the first pixel that is left. Dark
+ * samples are in few vectors, which are neighbours: a branch is cheaper than the toe for all. */
 INLINE uint32_t store_srgb(const pupil_planes *planes, const float *first, const float *second, const float *third,
                            uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {

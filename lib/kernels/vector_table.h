@@ -61,7 +61,7 @@ FORMAT_KERNELS(rgba16f)
 FORMAT_KERNELS(rgba16)
 FORMAT_KERNELS(rgb16)
 
-/* Less usual ones go through planes: a third of the code. */
+/* Less usual formats go through planes, which takes a third of the code. */
 INLINE void load_blue_first(const void *source, floats *r, floats *g, floats *b, floats *a)
 {
     rgb32f.vector(source, b, g, r, a);
