@@ -1,4 +1,4 @@
-/* The AVX2 level. Compiled for it with any flags of the build: level.c keeps other CPUs away. */
+/* The AVX2 level. Compiled for AVX2 regardless of the build's flags: level.c keeps other CPUs away. */
 #if defined(__x86_64__)
 
 #if defined(__clang__)
@@ -11,7 +11,7 @@
 #include "vector_formats.h"
 #include "vector_store.h"
 
-/* Halves and 16-bit samples of four channels are taken apart faster 16 pixels at a time. */
+/* Halves and 16-bit samples of four channels are deinterleaved faster 16 pixels at a time. */
 INLINE void group_rgba16f(const uint8_t *source, group *p)
 {
     load16_rgba16f(source, p->r, p->g, p->b, &p->opaque);
@@ -43,5 +43,5 @@ static const format rgb16f = {.bytes = 6, .vector = load8_rgb16f};
 const pupil_kernels pupil_kernels_avx2 = {VECTOR_PIECES};
 
 #else
-typedef int pupil_no_avx2; /* a file of C needs something */
+typedef int pupil_no_avx2; /* a C file must not be empty */
 #endif

@@ -49,7 +49,7 @@ INLINE floats v_mul(floats a, floats b)
 {
     return _mm256_mul_ps(a, b);
 }
-/* a * b + c, rounded once: only where no result depends on it */
+/* a * b + c, rounded once: only where no result depends on the rounding */
 INLINE floats v_about(floats a, floats b, floats c)
 {
     return _mm256_fmadd_ps(a, b, c);
@@ -256,8 +256,8 @@ INLINE void v_of_bytes(const uint8_t *p, floats to[2])
 #undef LOW
 }
 
-/* 8 pairs of bytes as two numbers less 128, each twice, in units of CHROMA_UNIT: a byte is the upper one of its number,
- * which has a sign. */
+/* 8 pairs of bytes as two numbers less 128, each twice, in units of CHROMA_UNIT: a byte becomes the top byte of a
+ * signed number. */
 #define CHROMA_UNIT 0x1p-24f
 INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
 {
@@ -308,7 +308,7 @@ INLINE void load8_rgb32f(const void *source, floats *r, floats *g, floats *b, fl
     *a = v_all(1.0f);
 }
 
-/* 16 pixels of four 16-bit samples to one vector a sample: pixels 0 to 7 in the lower half, 8 to 15 in the upper. */
+/* 16 pixels of four 16-bit samples to one vector a channel: pixels 0 to 7 in the lower half, 8 to 15 in the upper. */
 INLINE __m256i two_of_16(const uint8_t *low, const uint8_t *high)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)low)),
@@ -348,7 +348,7 @@ INLINE void load16_rgba16f(const uint8_t *source, floats r[2], floats g[2], floa
     from_half(pr, r);
     from_half(pg, g);
     from_half(pb, b);
-    /* 1.0 to infinity, which as 16-bit numbers are in the order of the halves */
+    /* from 1.0 to infinity: positive halves compare as 16-bit numbers */
     const __m256i above_1 = _mm256_sub_epi16(pa, _mm256_set1_epi16(0x3c00)), reach = _mm256_set1_epi16(0x7c00 - 0x3c00);
     *opaque = both_halves(_mm256_cmpeq_epi16(_mm256_max_epu16(above_1, reach), reach));
 }
@@ -374,7 +374,7 @@ INLINE void load16_rgba16(const uint8_t *source, floats r[2], floats g[2], float
     *opaque = both_halves(_mm256_cmpeq_epi16(pa, _mm256_set1_epi16(-1)));
 }
 
-/* 8 pixels of three 16-bit samples: every third sample of 24, by byte shuffles that leave room for each other. */
+/* 8 pixels of three 16-bit samples: every third sample of 24, by byte shuffles whose results do not overlap. */
 INLINE __m128i every_third(__m128i x, __m128i y, __m128i z, __m128i sx, __m128i sy, __m128i sz)
 {
     return _mm_or_si128(_mm_or_si128(_mm_shuffle_epi8(x, sx), _mm_shuffle_epi8(y, sy)), _mm_shuffle_epi8(z, sz));

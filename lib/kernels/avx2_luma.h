@@ -72,13 +72,13 @@ INLINE int w_any(v_words a)
     return !_mm256_testz_si256(a, a);
 }
 
-/* A vector that is in a register here: gcc would add up later what it has found at once, run out of registers, and load
- * entries again for each shuffle. */
+/* Forces a vector into a register here: gcc would make all look-ups first and combine them later, run out of registers,
+ * and load entries again for each shuffle. */
 #define IN_REGISTER(v) __asm__("" : "+x"(v))
 
-/* A shuffle sees 16 entries: each next 16 are added to what was before, as the difference (exclusive or) to the last
- * ones, where the index, less 16 each time, is not below 0 yet. Indices from 128 on begin below 0, and have a chain of
- * their own. */
+/* A shuffle looks up 16 entries, and gives 0 for an index below 0. Each next 16 entries hold the difference (exclusive
+ * or) to the last ones; it is applied as long as the index, less 16 each time, is not below 0. Indices from 128 on
+ * begin below 0, and have a chain of their own. */
 INLINE __m256i sixteen_of(const uint8_t *table, int k)
 {
     return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(table + 16 * (size_t)k)));
@@ -137,7 +137,7 @@ static __attribute__((noinline)) void look_up_128(const uint8_t steps[256], cons
     FOR_FOUR(j) b_store(to + 32 * (size_t)j, found[j]);
 }
 
-/* n is a multiple of 64; where it is none of 128, the last 128 begin among those before. */
+/* n is a multiple of 64; if it is none of 128, the last 128 overlap those before. */
 INLINE void luma_by_table(const luma_entries *e, const uint8_t *table, const uint8_t *from, uint32_t n, uint8_t *to)
 {
     for (uint32_t i = 0; i + 128 <= n; i += 128)
@@ -185,7 +185,7 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     ratio[1] = _mm256_unpackhi_epi8(low, high);
 }
 
-/* Scaled Cb and Cr as codes, in turns. */
+/* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
     const __m256i half = _mm256_set1_epi16(8);
@@ -196,7 +196,7 @@ INLINE v_bytes w_to_pairs(v_words u, v_words v)
     return _mm256_xor_si256(_mm256_shuffle_epi8(packed, turns), _mm256_set1_epi8(-128));
 }
 
-/* Words as bytes, 0 for what is below; as b_twice takes them. */
+/* Words as bytes, 0 for negative ones; in b_twice's order. */
 #define w_to_bytes(a, b) _mm256_packus_epi16(a, b)
 /* Each byte twice: those of the first words, and those of the second. */
 INLINE void b_twice(v_bytes a, v_bytes to[2])

@@ -1,8 +1,7 @@
-/* The AVX-512 level. Compiled for it with any flags of the build: level.c keeps other CPUs away.
- */
+/* The AVX-512 level. Compiled for AVX-512 regardless of the build's flags: level.c keeps other CPUs away. */
 #if defined(__x86_64__)
 
-#if defined(PUPIL_EMULATE) /* a test that has no such CPU brings functions for the instructions */
+#if defined(PUPIL_EMULATE) /* a test without such a CPU has functions for the instructions */
 #elif defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,popcnt"))), apply_to = function)
 #else
@@ -32,5 +31,5 @@ static const format rgb16f = {.bytes = 6, .vector = load16_rgb16f};
 const pupil_kernels pupil_kernels_avx512 = {VECTOR_PIECES};
 
 #else
-typedef int pupil_no_avx512; /* a file of C needs something */
+typedef int pupil_no_avx512; /* a C file must not be empty */
 #endif

@@ -49,7 +49,7 @@ INLINE floats v_mul(floats a, floats b)
 {
     return _mm512_mul_ps(a, b);
 }
-/* a * b + c, rounded once: only where no result depends on it */
+/* a * b + c, rounded once: only where no result depends on the rounding */
 INLINE floats v_about(floats a, floats b, floats c)
 {
     return _mm512_fmadd_ps(a, b, c);
@@ -352,7 +352,7 @@ INLINE void load16_rgba16(const void *source, floats *r, floats *g, floats *b, f
     *a = from_16(_mm256_cmpeq_epi16(upper_words(ba), _mm256_set1_epi16(-1)));
 }
 
-/* Every third word of 48: red and green, blue (the second half of it is of no use). */
+/* Every third word of 48: red and green, blue (its second half is not used). */
 static const int16_t word_thirds[2][32] = {
     {0, 3, 6, 9,  12, 15, 18, 21, 24, 27, 30, 33, 36, 39, 42, 45,
      1, 4, 7, 10, 13, 16, 19, 22, 25, 28, 31, 34, 37, 40, 43, 46},

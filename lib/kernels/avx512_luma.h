@@ -100,7 +100,7 @@ INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
         e->word[k] = b_load(table + 64 * k);
 }
 
-/* 256 bytes are looked up as 128 words, of which the lowest bit takes one byte. */
+/* 256 bytes are looked up as 128 words; the code's lowest bit selects a byte. */
 INLINE void luma_by_table(const luma_entries *e, const uint8_t *table, const uint8_t *from, uint32_t n, uint8_t *to)
 {
     (void)table;
@@ -136,7 +136,7 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     ratio[1] = w_of_128(r->word, second);
 }
 
-/* Scaled Cb and Cr as codes, in turns. */
+/* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
     const __m512i half = _mm512_set1_epi16(8);
@@ -146,7 +146,7 @@ INLINE v_bytes w_to_pairs(v_words u, v_words v)
     return _mm512_xor_si512(_mm512_shuffle_epi8(packed, turns), _mm512_set1_epi8(-128));
 }
 
-/* Words as bytes, 0 for what is below; as b_twice takes them. */
+/* Words as bytes, 0 for negative ones; in b_twice's order. */
 #define w_to_bytes(a, b) _mm512_packus_epi16(a, b)
 /* Each byte twice: those of the first words, and those of the second. */
 INLINE void b_twice(v_bytes a, v_bytes to[2])
@@ -155,7 +155,7 @@ INLINE void b_twice(v_bytes a, v_bytes to[2])
     to[1] = _mm512_unpackhi_epi8(a, a);
 }
 
-/* Sixteen bytes of four vectors, which lie side by side in each of their lanes, one lane after the other. */
+/* The first 16-byte lane of each of four vectors, then the second of each, and so on. */
 INLINE void store_lanes(uint8_t *p, __m512i a, __m512i b, __m512i c, __m512i d)
 {
     const __m512i ab0 = _mm512_shuffle_i32x4(a, b, 0x44), ab1 = _mm512_shuffle_i32x4(a, b, 0xee);

@@ -1,5 +1,5 @@
 /* lib/kernels/by_luma.h: quads by tables of luma (kernels.h: pupil_luma_tables), one by one. The scalar level's
- * kernels; others take it for the last quads of a row (vector_luma.h). */
+ * kernels; other levels use them for the last quads of a row (vector_luma.h). */
 #ifndef PUPIL_KERNELS_BY_LUMA_H
 #define PUPIL_KERNELS_BY_LUMA_H
 
@@ -41,7 +41,8 @@ typedef struct luma_codes {
     const uint8_t *upper, *lower;
 } luma_codes;
 
-/* Of the quads of a part. In lists, each made by a loop of its own: only the look-ups are not for vectors. */
+/* Of the quads of a part, in lists that are each made by a loop of its own: all loops except the look-ups suit vectors.
+ */
 typedef struct luma_lists {
     int16_t ratio[PUPIL_LUMA_PART];
     int16_t u[PUPIL_LUMA_PART], v[PUPIL_LUMA_PART];                              /* scaled */
@@ -81,7 +82,7 @@ static inline void scale_chroma(const pupil_luma_tables *t, const uint8_t *restr
     }
 }
 
-/* Which ones are to be mapped exactly, by their new codes a and b. */
+/* Which quads are to be mapped exactly, by their new codes a and b. */
 static inline void find_exact(const pupil_luma_tables *t, const uint8_t *restrict a, const uint8_t *restrict b,
                               const luma_lists *q, uint32_t n, uint16_t *restrict exact)
 {
@@ -98,7 +99,7 @@ static inline void find_exact(const pupil_luma_tables *t, const uint8_t *restric
     }
 }
 
-/* Quads i to n; the bits of a pupil_by_luma_kernel. */
+/* Quads i to n; returns the bits of a pupil_by_luma_kernel. */
 static inline uint32_t look_up_quads(const pupil_luma_tables *t, const pupil_luma_quads *in, const luma_codes *new,
                                      uint32_t i, uint32_t n, luma_lists *q, uint16_t *exact)
 {

@@ -2,7 +2,7 @@
  * reference; vector_scale.h and dither.glsl have the same operations.
  *
  * The threshold is Bayer's of 8 x 8 pixels (1973), the same for all channels, so that grey stays grey. It moves light
- * by less than half a code, so what is a code already does not change. */
+ * by less than half a code, so light that is exactly a code's does not change. */
 #ifndef PUPIL_KERNELS_DITHER_H
 #define PUPIL_KERNELS_DITHER_H
 

@@ -1,7 +1,7 @@
-/* lib/kernels/gamut.h: a colour beyond the display's gamut goes back into it (pupil.h: pupil_curve). The reference;
+/* lib/kernels/gamut.h: moves a colour beyond the display's gamut back into it (pupil.h: pupil_curve). The reference;
  * vector_scale.h and map.frag have the same operations in the same order.
  *
- * Oklab is linear in the cube roots of the cones' responses, and grey has equal ones (Ottosson 2020,
+ * Oklab is linear in the cube roots of the cones' responses, and those of grey are equal (Ottosson 2020,
  * bottosson.github.io, "A perceptual color space for image processing"). So a straight line in cube roots toward any
  * grey keeps the hue. */
 #ifndef PUPIL_KERNELS_GAMUT_H
@@ -40,7 +40,7 @@ static inline float gamut_limit(float grey, float gamut)
     return knee + (1.0f - knee) * grey;
 }
 
-/* A cone's response, as a share of the middle one's, once its cube root is `part` of the way to theirs being equal. */
+/* A cone's response, as a share of the middle cone's, after its cube root has moved `part` of the way to equality. */
 static inline float toward_grey(float response, float part)
 {
     const float p = cube_root(response), q = p + part * (1.0f - p);
@@ -72,7 +72,7 @@ static inline void fit_colour(const pupil_cones *cones, float gamut, float grey,
         rgb[i] = rgb[i] * scale > 0.0f ? rgb[i] * scale : 0.0f;
 }
 
-/* The pixels of a block that are beyond it. */
+/* The pixels of a block that are beyond the gamut. */
 static inline void fit_gamut(pupil_planes *restrict p, const float *restrict display, uint32_t n, float gamut,
                              const pupil_cones *cones)
 {

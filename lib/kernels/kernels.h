@@ -173,8 +173,8 @@ typedef struct pupil_planes {
     };
 } pupil_planes;
 
-/* Vectors read them fastest so: none crosses a cache line. Not part of the type, for planes are in callers' memory,
- * too. */
+/* For the fastest access by vectors: none crosses a cache line. Not part of the type, for planes are in callers'
+ * memory, too. */
 #define PUPIL_PLANES_ALIGNED __attribute__((aligned(64)))
 
 /* For loops of look-ups or counts: gcc would assemble vectors from single numbers, which is slower. */
@@ -234,7 +234,8 @@ typedef void pupil_store_alpha_kernel(const float *alpha, uint32_t n, void *targ
 /* Y' of n RGBA codes. */
 typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *rgba, uint32_t n, uint8_t *luma);
 /* Mapping by luma (config.h: pupil_accuracy), in integers: light depends on the code of Y' alone. "Scaled" Cb and Cr
- * are less 128, times their ratio, in 1/16 of a code. A quad is two pixels of each row, with their common Cb and Cr. */
+ * are the codes less 128, times a ratio, in 1/16 of a code. A quad is two pixels of each row, with their common Cb and
+ * Cr. */
 typedef struct pupil_luma_tables {
     uint8_t luma[256]; /* what a code of Y' becomes: one of Y', or of grey R'G'B' */
     /* The same for avx2_luma.h: each 16 entries exclusive-ored with the 16 before, starting again at 128. */
@@ -283,8 +284,7 @@ typedef void pupil_veil_pixels_kernel(const void *source, ptrdiff_t next_row, co
 typedef struct pupil_scattered {
     float from[3][PUPIL_BLOCK], more[3][PUPIL_BLOCK];
 } pupil_scattered;
-/* n pixels become themselves times `direct` plus the light that is scattered to them. Works up to the last vector's
- * end. */
+/* Multiplies n pixels by `direct`, and adds the light that is scattered to them. Works up to the last vector's end. */
 typedef void pupil_scatter_kernel(pupil_planes *planes, uint32_t n, float direct, const pupil_scattered *scattered,
                                   float part);
 

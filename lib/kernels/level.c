@@ -6,7 +6,7 @@
 #define PUPIL_LEVELS ~0u
 #endif
 
-/* A test: functions replace the level's instructions, on any CPU: a mask of 1 << pupil_level. */
+/* For a test in which functions replace a level's instructions, on any CPU: a mask of 1 << pupil_level. */
 #ifndef PUPIL_EMULATE
 #define PUPIL_EMULATE 0u
 #endif

@@ -4,12 +4,12 @@
 
 /* --- metering --- */
 
-/* Pixels of a row that have been picked by pairs, which share Cb and Cr. */
+/* Pixels of a row that were picked in pairs, which share Cb and Cr. */
 typedef struct picked {
     uint8_t luma[PUPIL_BLOCK * 2], chroma[PUPIL_BLOCK], cr[PUPIL_BLOCK / 2];
 } picked;
 
-/* `count` pairs from a pair on, one of each `step`; `count` bytes from each. */
+/* One byte of every `step`-th pair, `count` in all; below, two bytes, and four. */
 static void pick(const uint8_t *restrict from, size_t step, uint32_t count, uint8_t *restrict to)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -36,7 +36,7 @@ static void pick_pairs(const pupil_row_job *job, const pupil_row *row, uint32_t 
         return;
     }
     const uint32_t last = pair + (count - 1) * job->sample;
-    const int is_alone = 2 * last + 1 >= row->width; /* of a last column alone: itself twice */
+    const int is_alone = 2 * last + 1 >= row->width; /* a last column alone is taken twice */
     pick_twos(row->data + 2 * (size_t)pair, step, count - (uint32_t)is_alone, p->luma);
     if (is_alone)
         p->luma[2 * count - 2] = p->luma[2 * count - 1] = row->data[2 * (size_t)last];
@@ -73,7 +73,7 @@ void pupil_meter_sampled(const pupil_row_job *job, const pupil_row *row, uint32_
 
 /* --- mapping: the tables --- */
 
-/* All codes as a row of grey pixels, by the exact pieces, as RGBA codes: grey has the same bits. */
+/* Maps all codes, as a row of grey pixels, to RGBA codes by the exact pieces: so grey has the same bits. */
 static void map_greys(const pupil_row_job *job, uint8_t codes[PUPIL_BLOCK * 4])
 {
     uint8_t grey[PUPIL_BLOCK], none[PUPIL_BLOCK];
@@ -89,7 +89,7 @@ static void map_greys(const pupil_row_job *job, uint8_t codes[PUPIL_BLOCK * 4])
     pupil_work_run(&every, &row, 0, PUPIL_BLOCK, codes, 0, 0, 0);
 }
 
-/* A scale of codes: which one is black, and R'G'B' codes for each. */
+/* A scale of codes: the code of black, and the R'G'B' codes in one code. */
 typedef struct code_scale {
     float zero, one;
 } code_scale;
@@ -131,8 +131,8 @@ static float largest_change(const code_scale *in, const code_scale *out, const u
     return change;
 }
 
-/* A colour is mapped exactly where its largest component comes near the gamut's surface, for it does not keep its ratio
- * there; and where it is so far from grey that luma is not its luminance. In R'G'B' codes, with some for noise. */
+/* A colour is mapped exactly if its largest component is near the gamut's surface, where its ratio is not kept, or if
+ * it is so far from grey that luma is not its luminance. In R'G'B' codes, with a margin for noise. */
 #define NEAR_ROOM 3.0f
 #define FAR_ROOM  (PUPIL_LUMA_NOISE / 4)
 
@@ -165,7 +165,7 @@ void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *
 
 /* --- mapping: quads that are mapped exactly --- */
 
-/* Side by side as if they were two rows, and where they belong. */
+/* Quads side by side as if they were two rows, and their places in the frame. */
 enum { MOST_EXACT = 64 };
 typedef struct exact_quads {
     uint32_t count;
@@ -231,7 +231,7 @@ typedef struct luma_work {
     exact_quads listed;
 } luma_work;
 
-/* Codes of a block that do not lie as the kernels take them. */
+/* Copies of a block's codes, for formats whose layout is not the kernels'. */
 typedef struct luma_block {
     uint8_t upper[2 * PUPIL_LUMA_QUADS], lower[2 * PUPIL_LUMA_QUADS], chroma[2 * PUPIL_LUMA_QUADS];
     uint8_t new_chroma[2 * PUPIL_LUMA_QUADS];
@@ -252,7 +252,7 @@ static void average_to(uint8_t *restrict chroma, const uint8_t *restrict other, 
         chroma[i] = (uint8_t)((chroma[i] + other[i] + 1) >> 1);
 }
 
-/* Cb and Cr in turns, of quads x to x + n. */
+/* Interleaved Cb and Cr of quads x to x + n. */
 static void gather_chroma(uint32_t pixel, const pupil_row *row, size_t x, uint32_t n, uint8_t *restrict chroma)
 {
     const int swapped = pixel == PUPIL_PIXEL_NV21;
@@ -275,7 +275,7 @@ static int has_chroma_in_each_row(uint32_t pixel)
     return is_packed(pixel) || pixel == PUPIL_PIXEL_NV16;
 }
 
-/* Quads x to x + n of the rows; where both rows have chroma it is their mean. */
+/* Quads x to x + n of the rows; if both rows have chroma, it is the mean. */
 static pupil_luma_quads block_of(const luma_work *w, size_t x, uint32_t n, luma_block *b)
 {
     const uint32_t pixel = w->job->in_pixel;
@@ -313,7 +313,7 @@ static void list_quad(luma_work *w, const pupil_luma_quads *in, uint32_t x, uint
         map_exactly(w->job, w->coder, q, w->to);
 }
 
-/* Quads i to n of a block at x. Four of `exact` are seen at once: there are few. */
+/* Quads i to n of a block at x. Four of `exact` are tested at once: few are set. */
 static void list_exact(luma_work *w, const pupil_luma_quads *in, const uint16_t *exact, uint32_t x, uint32_t i,
                        uint32_t n)
 {
@@ -357,7 +357,7 @@ static void map_block(luma_work *w, uint32_t x, uint32_t n)
 static void map_quads(const pupil_row_job *job, const pupil_chroma_coder *coder, const pupil_luma_tables *tables,
                       const pupil_row *upper, const pupil_row *lower, uint32_t quads, const pupil_yuv_rows *to)
 {
-    luma_work w; /* all of it but the list of none */
+    luma_work w; /* all of it is set below, except the empty list */
     w.job = job;
     w.coder = coder;
     w.tables = tables;

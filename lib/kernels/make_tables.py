@@ -95,9 +95,9 @@ def gauss_points():
     return [((1 + place) / 2, weight / 2) for place, weight in places]
 
 
-# From the light of code k on: the step with which the interpolated light has a mean relative error of 0 up to the next
-# code, so that a log-average over many codes has none. (A chord is always above a curve that bends upward.) From 2^-14
-# on it ends at most 3.2e-4 below the next code's light: HLG has half of PQ's points, and coding.h promises 3.3e-4.
+# The step from code k to the next with which the interpolated light has a mean relative error of 0 in between, so that
+# a log-average over many codes has no error. (A chord is always above a convex curve.) From 2^-14 on it ends at most
+# 3.2e-4 below the next code's light: HLG has half of PQ's points, and coding.h promises 3.3e-4.
 def unbiased_step(curve, top, k):
     first, last = curve(D(k) / top), curve(D(k + 1) / top)
     if not first:
@@ -121,7 +121,7 @@ def light_table(name, curve, top, in_text):
     print(f"const float pupil_{name}_light[{top + 1}][2] = {{\n{rows(pairs, 3)}}};\n")
 
 
-# Of the codes 0 to 255 and, where PUPIL_BEYOND is not 0, the light of these two for so many codes more at both ends.
+# Codes 0 to 255; if PUPIL_BEYOND is not 0, the light of these two is repeated for that many codes at both ends.
 def codes_table(name, curve):
     beyond = 304
     pairs = light_pairs(curve, 255, literal, False)

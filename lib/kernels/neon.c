@@ -1,5 +1,5 @@
-/* The NEON level of AArch64, which every such CPU has. Codes are looked up in the encoder's cells: with loads of single
- * lanes as cheap as here that is faster than arithmetic. */
+/* The NEON level of AArch64, which every such CPU has. Codes are looked up in the encoder's cells: loads of single
+ * lanes are so cheap here that this is faster than arithmetic. */
 #if defined(__aarch64__)
 
 #include "neon.h"
@@ -30,7 +30,7 @@ INLINE ints top_sixteens(ints top)
     return v_bits(vmulq_n_f32(vcvtq_f32_u32(vmovl_u16(vmax_u16(vget_low_u16(t), vget_high_u16(t)))), 1.0f / 65535.0f));
 }
 
-/* How eight pixels are loaded, widened, and seen to be opaque. */
+/* How eight pixels are loaded, widened, and tested for opacity. */
 typedef struct eights {
     words (*load)(const uint8_t *source, int eighth);
     void (*convert)(uint16x8_t words, floats to[2]);
@@ -119,7 +119,7 @@ FORMAT_OF_EIGHTS(rgb16f, 6, load8_three, halves_to, all_ones, top_halves)
 
 /* --- store --- */
 
-/* A word of the encoder's at each number's upper half. */
+/* The encoder's words, indexed by each number's upper half. */
 INLINE ints words_at(const uint32_t *cell, ints at)
 {
     const uint16x8_t i = vreinterpretq_u16_u32(at);
@@ -128,8 +128,8 @@ INLINE ints words_at(const uint32_t *cell, ints at)
     return c;
 }
 
-/* The codes of eight samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). What is below the
- * first cell has the code 0, as its beginning has: base is a power of two, whose lower half is 0. */
+/* The codes of eight samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). Samples below the
+ * first cell get its first code, 0: base is a power of two, whose lower half is 0. */
 INLINE uint16x8_t codes_of(const float *x, const uint32_t *cell, ints base)
 {
     const ints low = vqsubq_u32(v_bits(v_load(x)), base), high = vqsubq_u32(v_bits(v_load(x + 4)), base);
@@ -167,5 +167,5 @@ INLINE void store_vectors(const pupil_planes *planes, const float *first, const 
 const pupil_kernels pupil_kernels_neon = {VECTOR_PIECES, .meter_quads = {[PUPIL_PIXEL_BAYER10P] = meter_bayer10p}};
 
 #else
-typedef int pupil_no_neon; /* a file of C needs something */
+typedef int pupil_no_neon; /* a C file must not be empty */
 #endif

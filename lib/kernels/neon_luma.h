@@ -114,7 +114,7 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     ratio[1] = w_of_bytes(vzip2q_u8(low, high));
 }
 
-/* Scaled Cb and Cr as codes, in turns. */
+/* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
     const int8x16_t apart = vqrshrn_high_n_s16(vqrshrn_n_s16(u, 4), v, 4);
@@ -122,7 +122,7 @@ INLINE v_bytes w_to_pairs(v_words u, v_words v)
     return veorq_u8(vqtbl1q_u8(vreinterpretq_u8_s8(apart), turns), vdupq_n_u8(128));
 }
 
-/* Words as bytes, 0 for what is below; as b_twice takes them. */
+/* Words as bytes, 0 for negative ones; in b_twice's order. */
 #define w_to_bytes(a, b) vqmovun_high_s16(vqmovun_s16(a), b)
 /* Each byte twice: those of the first words, and those of the second. */
 INLINE void b_twice(v_bytes a, v_bytes to[2])

@@ -1,14 +1,12 @@
-/* lib/kernels/neon_raw10.h: metering the packed mosaic that cameras of boards send, MIPI RAW10, straight from its
- * bytes. The operations on light are those of pixels_to_linear.h (binned) and of vector.h, one by one. Pixels that are
- * clipped, black or left over use those.
- */
+/* lib/kernels/neon_raw10.h: metering MIPI RAW10, the packed mosaic that board cameras send, straight from its bytes.
+ * The operations on light are those of pixels_to_linear.h (binned) and of vector.h, one by one. Pixels that are
+ * clipped, black or left over use those functions. */
 #include "neon.h"
 #include "pixels_to_linear.h"
 #include "vector_formats.h"
 
-/* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others. Where their
- * upper bits are, where the byte with their lower bits is, and how far it goes left so that these become bits 2 and 3.
- */
+/* 8 quads are 16 samples, 20 bytes, of each row. First the samples of the columns of red, then the others: the byte
+ * with their upper bits, the byte with their lower bits, and its shift to the left that makes these bits 2 and 3. */
 typedef struct raw10_order {
     uint8x16_t upper, lower;
     int8x16_t shift;
@@ -40,7 +38,7 @@ INLINE raw10_row raw10_load(const uint8_t *source, const raw10_order *o)
                        vaddw_high_u8(vshll_high_n_u8(upper, 4), lower)};
 }
 
-/* Four of eight above black: 16 bits behind the upper half of 2^23 are the float of their sum. */
+/* Four of eight sums, above black: the upper half of 2^23, and then the 16 bits, are the float 2^23 + sum. */
 INLINE floats raw10_above(uint16x8_t sum4, int second, floats zero)
 {
     const uint16x8_t magic = vdupq_n_u16(0x4b00);
@@ -48,8 +46,7 @@ INLINE floats raw10_above(uint16x8_t sum4, int second, floats zero)
     return v_sub(vreinterpretq_f32_u16(bits), zero);
 }
 
-/* a * b[LANE]. With an intrinsic a compiler holds six factors in six registers, which are then not there
- * for the products. */
+/* a * b[LANE]. With an intrinsic a compiler keeps six factors in six registers, which the products then lack. */
 #define TIMES_LANE(TO, A, B, LANE) __asm__("fmul %0.4s, %1.4s, %2.s[" #LANE "]" : "=w"(TO) : "w"(A), "w"(B))
 
 /* Of four quads; unit and weight: of R, G, B. */
@@ -64,7 +61,7 @@ INLINE floats raw10_luminance(floats r, floats g, floats b, floats unit, floats 
     return v_add(v_add(r, g), b);
 }
 
-/* What 8 quads of ordinary light add to the lanes, and to what is looked at later. */
+/* The extremes of the quads so far, which are checked after several groups. */
 typedef struct raw10_sums {
     uint16x8_t top, top_g;
     floats least;
@@ -87,7 +84,7 @@ INLINE void raw10_sum(const uint8_t *red_row, const uint8_t *blue_row, const raw
     }
 }
 
-/* In the usual pieces. */
+/* By the usual pieces. */
 static __attribute__((noinline)) void meter_raw10_hard(const pupil_row_job *job, const pupil_row *row, uint32_t x,
                                                        uint32_t n, pupil_run *run)
 {
@@ -106,7 +103,7 @@ static __attribute__((noinline)) void meter_raw10_hard(const pupil_row_job *job,
  * changes no bit. */
 enum { RAW10_FACTORS = 8 };
 
-/* 0: not done, for it is not such a row. */
+/* Returns 0, and does nothing, if the row does not suit. */
 static int meter_bayer10p(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, pupil_run *run)
 {
     const pupil_coder *coder = job->coder;

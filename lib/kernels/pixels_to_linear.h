@@ -1,6 +1,6 @@
-/* lib/kernels/pixels_to_linear.h: loading (and, of NV12, storing) what has no vectors of its own in a level: plain C
- * loops, written once and compiled in each level's file, for its instructions. No result depends on which.
- */
+/* lib/kernels/pixels_to_linear.h: loading (and, for NV12, storing) the formats for which a level has no vector code:
+ * plain C loops, written once and compiled in each level's file, for its instructions. All levels give the same
+ * results. */
 #ifndef PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 #define PUPIL_KERNELS_PIXELS_TO_LINEAR_H
 
@@ -11,8 +11,8 @@
 
 /* --- codes to light --- */
 
-/* Coded values, clamped to 0..top (NaN is impossible), to light: between two codes it is interpolated, on one it is the
- * code's. With vectors the samples after n are computed too. */
+/* Coded values, clamped to 0..top (NaN is impossible), to light, which is interpolated between two codes, and exact on
+ * one. With vectors the samples after n are computed too. */
 static void look_up_light(float *restrict v, uint32_t n, const float (*restrict light)[2], float top)
 {
 #if defined(WIDTH)
@@ -132,7 +132,7 @@ static void pairs_of_yuv(const pupil_coder *coder, const uint8_t *restrict luma,
 
 #if defined(WIDTH)
 #ifndef CHROMA_UNIT
-#define CHROMA_UNIT 1.0f /* in which v_of_chroma gives Cb and Cr */
+#define CHROMA_UNIT 1.0f /* the unit of v_of_chroma's Cb and Cr */
 #endif
 
 /* As look_up_light, of one vector. */
@@ -143,7 +143,7 @@ INLINE floats light_of_codes(floats code, const float (*light)[2], floats top)
     return v_interpolate(light, below, v_sub(inside, v_from_ints(below)));
 }
 
-/* Whole groups of 16 pixels, from samples to light without a stop in memory; returns the first pixel that is left. */
+/* Whole groups of 16 pixels, from samples to light in registers; returns the first pixel that is left. */
 static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
                               pupil_planes *p)
 {
@@ -170,7 +170,7 @@ static uint32_t groups_of_yuv(const pupil_coder *c, const uint8_t *luma, const u
 }
 #endif
 
-/* n pixels from luma on; chroma: of the pair that the first one is in. odd: it is the second one there. */
+/* n pixels from luma on; chroma: of the first one's pair. odd: the first one is the second of its pair. */
 static void single_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
                        float *r, float *g, float *b)
 {
@@ -207,7 +207,7 @@ static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* The others are put in the order of NV12 first: cheap beside the look-ups of light. Whole pairs. */
+/* The other formats are put in NV12's order first, in whole pairs: cheap compared with the look-ups of light. */
 
 static int load_nv21(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
 {
@@ -263,10 +263,8 @@ static int load_uyvy(const pupil_coder *coder, const pupil_row *row, uint32_t x,
 
 /* --- 10 and 16 bits --- */
 
-/* Of each pixel its own Cb and Cr: words of 4:2:0 are doubled as they are put together. `none`: the code of no colour.
- * y_unit alone, rounded, would move the level of PQ, where a change of code by 1e-7 of itself is ten times that of
- * light.
- */
+/* Each pixel has its own Cb and Cr: the callers double those of 4:2:0. `none`: the code of no colour. y_unit alone,
+ * rounded, would move the level of PQ, where a change of code by 1e-7 of itself changes light by ten times that. */
 static void load_yuv_words(const pupil_coder *coder, const uint16_t *restrict luma, const uint16_t *restrict cb,
                            const uint16_t *restrict cr, float none, uint32_t n, pupil_planes *restrict p)
 {
@@ -484,8 +482,9 @@ static void binned(const pupil_coder *c, const uint16_t *upper, const uint16_t *
     bin_rows(c, red + c->red_x, red + 1 - c->red_x, blue + c->red_x, blue + 1 - c->red_x, n, p);
 }
 
-/* A row has its own colour, red or blue, in every second pixel, and green in the others; `own_odd`: in the second, the
- * fourth and so on. Each pixel is worked both ways, and one is taken: no faster way for vectors was found. */
+/* A row has its own colour, red or blue, in every second pixel, and green in the others; `own_odd`: its own is in the
+ * second, the fourth and so on. Each pixel is computed both ways, and one result is taken: no faster way for vectors
+ * was found. */
 static inline void interpolate(const pupil_coder *c, const uint16_t *restrict up, const uint16_t *restrict at,
                                const uint16_t *restrict down, uint32_t own_odd, int own, uint32_t n,
                                pupil_planes *restrict p)
@@ -507,7 +506,7 @@ static void bilinear(const pupil_coder *c, const uint16_t *const rows[3], int re
                      pupil_planes *p)
 {
     const uint16_t *up = rows[0] + 1, *at = rows[1] + 1, *down = rows[2] + 1;
-    /* in a row of red samples the first is red where red_x says so; in one of blue, blue where it does not */
+    /* in a row of red samples the first is red if red_x; in a row of blue ones it is blue if not red_x */
     if (red_y)
         interpolate(c, up, at, down, !red_x, 0, n, p);
     else
@@ -544,7 +543,7 @@ static void binned_light(const pupil_coder *c, const float *upper, const float *
     }
 }
 
-/* As interpolate; `own_first`: the row's colour is in the first pixel, the third and so on. */
+/* As interpolate. */
 static void bilinear_light(const pupil_coder *c, const float *const rows[3], int red_x, int red_y, uint32_t n,
                            pupil_planes *restrict p)
 {
@@ -572,7 +571,7 @@ static void matrix(const float m[9], uint32_t n, pupil_planes *restrict p)
     }
 }
 
-/* A number far outside of what is mapped to the nearest of it; NaN remains. */
+/* Clamps a number that is far outside the range that is mapped; NaN remains. */
 static inline float within_brightest(float v)
 {
     v = v > PUPIL_BRIGHTEST ? PUPIL_BRIGHTEST : v;
@@ -596,14 +595,14 @@ static void to_picture(const float m[9], uint32_t n, pupil_planes *restrict p)
 
 /* --- display light, as floats and halves --- */
 
-/* Of what scale leaves; no zero is negative. */
+/* What scale left, clamped to 0..1; no zero is negative. */
 static inline float display_light(float v)
 {
     v = v > 0.0f ? v : 0.0f;
     return v < 1.0f ? v : 1.0f;
 }
 
-/* From 0 to 1, to nearest even. In [0.5, 1) an ulp is that of the smallest halves: the sum rounds those. */
+/* From 0 to 1, to nearest even. In [0.5, 1) a float's ulp is that of subnormal halves: adding 0.5 rounds these. */
 static inline uint16_t half_of_light(float v)
 {
     const uint32_t bits = pupil_bits_of_float(v), small = pupil_bits_of_float(v + 0.5f) - pupil_bits_of_float(0.5f);
@@ -658,7 +657,7 @@ static void luma_of_codes(const pupil_chroma_coder *c, const uint8_t *restrict r
     }
 }
 
-/* Of four pixels: (128 and a half) * 4 in 2^-16, and a quarter of the sum. */
+/* Of the sums of four pixels: adds (128 and a half) * 4 in 2^-16, and takes a quarter. */
 static inline uint8_t chroma_of(const int32_t factor[3], int32_t r, int32_t g, int32_t b)
 {
     const int32_t x = (factor[0] * r + factor[1] * g + factor[2] * b + (257 << 17)) >> 18;

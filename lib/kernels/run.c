@@ -1,4 +1,4 @@
-/* A run of pixels of one row through the kernels, block by block, and what it adds to the statistics. */
+/* Takes a run of pixels of one row through the kernels, block by block, and adds it to the statistics. */
 #include "kernels.h"
 
 #include "base/numeric.h"
@@ -44,7 +44,7 @@ static __attribute__((noinline)) void stats_add_run(pupil_stats *stats, const pu
     stats->black += run->black;
     stats->clipped += run->clipped;
     stats->bad += run->bad;
-    /* unsigned, because nobody has checked the bands of a caller's statistics yet */
+    /* unsigned, because the bands of a caller's statistics have not been checked yet */
     stats->band_log2_sum[band] =
         (int64_t)((uint64_t)stats->band_log2_sum[band] + (uint64_t)(whole * (1 << 24) + (int64_t)(frac >> 16)));
     stats->band_pixels[band] += n;
@@ -77,7 +77,7 @@ static __attribute__((noinline)) void load_bilinear(const pupil_row_job *job, co
 
 /* --- companded mosaics: samples become light before they become pixels --- */
 
-/* Room for a vector's last samples, which are computed too. */
+/* Room up to the end of the last vector, which is computed as a whole. */
 #define LIGHT_OF(SAMPLES) ((SAMPLES) + PUPIL_LANES)
 
 static __attribute__((noinline)) void load_bilinear_light(const pupil_row_job *job, const pupil_row *row, uint32_t x,
@@ -132,7 +132,7 @@ static __attribute__((noinline)) void load_binned_light(const pupil_row_job *job
     }
 }
 
-/* From the samples, so that the balance has no part in it: neither in the sums nor in what counts as full. */
+/* From the samples, so that the white balance changes neither the sums nor what counts as full. */
 static void add_grey_world(const pupil_coder *c, const uint16_t *upper, const uint16_t *lower, uint32_t n,
                            pupil_stats *stats)
 {
@@ -141,7 +141,7 @@ static void add_grey_world(const pupil_coder *c, const uint16_t *upper, const ui
     for (uint32_t i = 0; i < 2 * n; i += 2) {
         const int32_t rgb4[3] = {4 * red[i], 2 * (green_r[i] + green_b[i]), 4 * blue[i]};
         if ((float)rgb4[0] >= c->full4 || (float)rgb4[1] >= c->full4 || (float)rgb4[2] >= c->full4)
-            continue; /* what is full has lost its colour */
+            continue; /* a full quad has lost its colour */
         for (int k = 0; k < 3; k++)
             stats->channel_sum[k] += rgb4[k] - c->black4;
         stats->channel_quads++;
@@ -182,7 +182,7 @@ static int load(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint
 
 /* --- the histogram --- */
 
-/* What a white point follows is the brightest channel that the curve will have. */
+/* The white point follows the brightest channel that the curve gets, in the picture's primaries. */
 static __attribute__((noinline)) void add_bins_of_picture(const pupil_row_job *job, const pupil_channels *light,
                                                           uint32_t n, uint32_t weight, pupil_stats *stats)
 {
@@ -237,7 +237,7 @@ static void pick_floats(const float *restrict from, const picks *p, float *restr
         to[i] = *at;
 }
 
-/* Those of a block in planes, whose `grey` is free. */
+/* Counts the picks of a block in planes, whose `grey` is free. */
 static void count_in_planes(const pupil_row_job *job, const pupil_row *row, uint32_t n, uint32_t weight,
                             pupil_planes *planes, pupil_stats *stats)
 {
@@ -259,7 +259,7 @@ static void count_in_planes(const pupil_row_job *job, const pupil_row *row, uint
     }
 }
 
-/* Of `bytes`, a constant where this is called. */
+/* `bytes` is a constant in each call. */
 static inline __attribute__((always_inline)) void pick_of(const uint8_t *restrict from, size_t bytes, const picks *p,
                                                           uint8_t *restrict to)
 {
@@ -285,7 +285,7 @@ static void pick_pixels(const uint8_t *from, size_t bytes, const picks *p, uint8
         pick_of(from, bytes, p, to);
 }
 
-/* Those of pixels that follow each other, and are not in planes: the others are not loaded. */
+/* Counts the picks of contiguous pixels that are not in planes: only these are loaded. */
 static __attribute__((noinline)) void count_in_row(const pupil_row_job *job, const pupil_row *row, uint32_t x,
                                                    uint32_t n, uint32_t weight, pupil_planes *planes,
                                                    pupil_stats *stats)
@@ -350,7 +350,7 @@ static inline mapper mapper_of(const pupil_row_job *job, const pupil_row *row, i
         .dither = job->curve->dither && pupil_pixel_bytes(job->out_pixel) <= 4}; /* codes: light takes 6 or more */
 }
 
-/* A block's planes, scaled, by way of planes as they were loaded. 1: opaque. */
+/* Loads a block to planes, and scales these. 1: opaque. */
 static int load_and_scale(const pupil_row_job *job, const mapper *with, const pupil_row *row, uint32_t x, uint32_t n,
                           pupil_planes *planes, uint32_t weight, pupil_run *run, pupil_stats *stats)
 {
@@ -399,7 +399,8 @@ static __attribute__((noinline)) void map_blocks(const pupil_row_job *job, const
     }
 }
 
-/* Pixels are counted after they were mapped: what fetches them from memory is the kernel that also works on them. */
+/* Pixels are counted after they are mapped: then the mapping kernel fetches them from memory, while it also computes.
+ */
 static __attribute__((noinline)) void map_and_count(const pupil_row_job *job, const pupil_row *row, uint32_t x,
                                                     uint32_t n, uint8_t *target, pupil_planes *planes, uint32_t weight,
                                                     pupil_run *run, pupil_stats *stats)
@@ -429,7 +430,8 @@ void pupil_map_planes(const pupil_row_job *job, uint32_t x, uint32_t y, uint32_t
         store_alpha(job, source, n, planes->grey, target);
 }
 
-/* Where a level goes from the samples to the lanes in one step, and no more is wanted than to count some of them. */
+/* For a level that goes from samples to lanes in one step, if only some of the pixels are counted, or none. 0: not
+ * done. */
 static int meter_at_once(const pupil_row_job *job, const pupil_row *row, uint32_t x, uint32_t n, uint32_t weight,
                          pupil_planes *planes, pupil_run *run, pupil_stats *stats)
 {

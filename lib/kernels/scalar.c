@@ -27,8 +27,8 @@
         return SAMPLES == 3;                                                                                           \
     }
 
-/* binary16 to binary32, exact: shift exponent and fraction into place, then mend the exponent of the ordinary numbers,
- * of Inf and NaN, and of subnormals (by a subtraction that is exact). */
+/* binary16 to binary32, exact: shift exponent and fraction into place, then correct the exponent of normal numbers, of
+ * Inf and NaN, and of subnormals (by a subtraction that is exact). */
 static inline float half_to_float(uint16_t h)
 {
     uint32_t magnitude = (uint32_t)(h & 0x7fff) << 13, exponent = magnitude & 0x0f800000u;
@@ -226,7 +226,7 @@ static inline float root_at(const pupil_tone *curve, float t)
     return knot[0] + (float)(int32_t)(bits & KNOT_PART) * KNOT_UNIT * (knot[1] - knot[0]);
 }
 
-/* The same by a table. */
+/* The same by a table of knots. */
 static void tone_by_knots(pupil_planes *restrict p, float *restrict l, uint32_t n, const pupil_row_job *job)
 {
     const pupil_tone *curve = job->curve;
@@ -336,8 +336,8 @@ STORE(store_bgrx8, 4, 2, 0)
 STORE(store_rgb8, 3, 0, 2)
 STORE(store_bgr8, 3, 2, 0)
 
-/* By its bits, without a branch: a frame's alphas may be as unlike as noise, and half of the branches would be
- * mispredicted. NaN, what is negative and what is below 2^-10, a quarter of a code, is 0: a denormal factor is slow. */
+/* By its bits, without a branch: a frame's alphas may be noise, and half of the branches would be mispredicted. NaN,
+ * negative alphas and those below 2^-10, a quarter of a code, become 0: a denormal factor is slow. */
 static inline uint8_t alpha_of_float(float a)
 {
     const uint32_t least = 0x3a800000u, one = 0x3f800000u, infinity = 0x7f800000u;

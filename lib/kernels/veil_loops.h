@@ -11,7 +11,7 @@
 
 enum { VEIL_LANES = 8 };
 
-/* Of GCC and clang, on any CPU; the compiler splits them where its registers are shorter. */
+/* Vector types of GCC and clang, on any CPU; the compiler splits them where registers are shorter. */
 typedef float veil_lanes __attribute__((vector_size(4 * VEIL_LANES)));
 typedef int32_t veil_masks __attribute__((vector_size(4 * VEIL_LANES)));
 typedef float veil_pixel __attribute__((vector_size(16)));
@@ -38,7 +38,7 @@ static inline float veil_sum(const veil_lanes *lane)
     return (half[0][0] + half[0][2]) + (half[0][1] + half[0][3]);
 }
 
-/* Of a channel: the light, and that times its place. */
+/* Of a channel: the light, and the light times its place. */
 typedef struct veil_pair {
     veil_lanes sum, moment;
 } veil_pair;
@@ -90,8 +90,8 @@ static void veil_gather(const pupil_planes *planes, const uint32_t *n, uint32_t 
         veil_gather_run(planes->r + at, planes->g + at, planes->b + at, n[c], &sums[c]);
 }
 
-/* The same of pixels of four floats, whose last has no part in it: two of them in eight lanes, each pixel of eight in
- * its own, so that the sums are of the same terms in the same order. */
+/* The same of pixels of four floats, whose last is not used. Eight lanes hold two pixels, and each of eight pixels has
+ * its own lanes, so that the sums have the same terms in the same order. */
 static inline void veil_add_two(veil_lanes *light, veil_lanes *at, veil_pair *to)
 {
     veil_bound(light);

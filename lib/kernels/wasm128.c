@@ -1,7 +1,6 @@
-/* The level of WebAssembly with 128-bit vectors. A module that has any of these instructions is refused as a whole
- * where they are not known: a page has a second module without this file, and asks WebAssembly.validate which one to
- * take. Codes are looked up in the encoder's cells, as by NEON: there is neither a table of eight floats nor a gather.
- */
+/* The level of WebAssembly with 128-bit vectors. A browser without these instructions refuses a whole module that has
+ * any of them: so a page has a second module without this file, and asks WebAssembly.validate which one to take. Codes
+ * are looked up in the encoder's cells, as by NEON: there is neither a table of eight floats nor a gather. */
 #if defined(PUPIL_WASM128)
 
 #include "wasm128.h"
@@ -15,8 +14,8 @@ static const format rgba16 = {.bytes = 8, .vector = load4_rgba16};
 static const format rgb16 = {.bytes = 6, .vector = load4_rgb16};
 static const format rgb16f = {.bytes = 6, .vector = load4_rgb16f};
 
-/* The codes of four samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). What is below the
- * first cell has the code 0, as its beginning has. */
+/* The codes of four samples from 0 to a little more than 1, which is in the cell of 1 (kernels.h). Samples below the
+ * first cell get its first code, 0. */
 INLINE ints codes_of(const float *x, const uint32_t *cell, ints base)
 {
     const ints at = v_minus(v_max_unsigned(v_bits(v_load(x)), base), base), i = v_right(at, 16);
@@ -55,5 +54,5 @@ INLINE void store_vectors(const pupil_planes *planes, const float *first, const 
 const pupil_kernels pupil_kernels_wasm128 = {VECTOR_PIECES};
 
 #else
-typedef int pupil_no_wasm128; /* a file of C needs something */
+typedef int pupil_no_wasm128; /* a C file must not be empty */
 #endif

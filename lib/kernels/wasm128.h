@@ -288,8 +288,8 @@ INLINE floats from_16(ints v)
     return v_mul(v_from_ints(v), v_all(1.0f / 65535.0f));
 }
 
-/* Halves: the exponent from a bias of 15 to one of 127. Those without an exponent are a fraction of 2^-14, which taking
- * 2^-14 from 2^-14 and that fraction leaves exactly; those with the largest one stay NaN or infinity. */
+/* Halves: the exponent from a bias of 15 to one of 127. Subnormals are a fraction of 2^-14: 2^-14 plus that fraction,
+ * less 2^-14, is exact. Those with the largest exponent stay NaN or infinity. */
 INLINE floats from_half(ints v)
 {
     const ints magnitude = v_left(v_and(v, v_all_ints(0x7fff)), 13), sign = v_left(v_and(v, v_all_ints(0x8000)), 16);

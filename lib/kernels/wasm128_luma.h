@@ -61,7 +61,7 @@ typedef uint32_t matches;
 #define b_matched(m)     (m)
 #define w_any(a)         ((int)wasm_v128_any_true(a))
 
-/* A shuffle sees 16 entries; what is 16 or more finds 0. */
+/* A shuffle looks up 16 entries; an index of 16 or more gives 0. */
 INLINE v_bytes b_look_up(const uint8_t *table, uint32_t count, v_bytes at)
 {
     v_bytes found = wasm_i8x16_splat(0);
@@ -108,7 +108,7 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
     ratio[1] = wasm_i8x16_shuffle(low, high, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
 }
 
-/* Scaled Cb and Cr as codes, in turns. */
+/* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
     const v_words half = w_all(8);
@@ -118,7 +118,7 @@ INLINE v_bytes w_to_pairs(v_words u, v_words v)
     return wasm_v128_xor(turns, wasm_i8x16_splat(-128));
 }
 
-/* Words as bytes, 0 for what is below; as b_twice takes them. */
+/* Words as bytes, 0 for negative ones; in b_twice's order. */
 #define w_to_bytes(a, b) wasm_u8x16_narrow_i16x8(a, b)
 /* Each byte twice: those of the first words, and those of the second. */
 INLINE void b_twice(v_bytes a, v_bytes to[2])

@@ -1,4 +1,4 @@
-/* lib/kernels/x86_pairs.h: pairs of floats from places in memory that are not in a row, for avx2.h and avx512.h. */
+/* lib/kernels/x86_pairs.h: pairs of floats from scattered addresses, for avx2.h and avx512.h. */
 #ifndef PUPIL_KERNELS_X86_PAIRS_H
 #define PUPIL_KERNELS_X86_PAIRS_H
 
@@ -8,11 +8,11 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* vector.h: products with denormals, which these CPUs do not foresee. */
+/* vector.h: products with denormals are slow on these CPUs. */
 #define DENORMALS_ARE_SLOW 1
 
-/* vector.h: a page. Where one ends, these CPUs no longer ask for what comes next by themselves: a block of RGBA float
- * is one, and while its codes are made nothing would be read (docs/bench.md has what that takes). */
+/* vector.h: a page, at whose end these CPUs stop prefetching by themselves. A block of RGBA float is a page, and while
+ * its codes are made nothing would be read (docs/bench.md has the cost). */
 #define FETCH_AHEAD_BYTES 4096
 
 /* Two pairs of floats, which are aligned as floats are. */
@@ -23,16 +23,16 @@ INLINE __m128 two_pairs(const float *first, const float *second)
     return _mm_loadh_pi(_mm_castpd_ps(_mm_set_sd(low)), (const __m64 *)(const void *)second);
 }
 
-/* Four of them. A pair from memory to either half of a vector is one instruction, and what all of this waits for is
- * their number. */
+/* Four pairs. Loading a pair to either half of a vector is one instruction, and the number of instructions is the
+ * bottleneck. */
 INLINE __m256 four_pairs(const float *first, const float *second, const float *third, const float *fourth)
 {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(two_pairs(first, second)), two_pairs(third, fourth), 1);
 }
 
-/* The pairs from eight places: those of the even lanes by twos, and of the odd ones. Two indices a number: half as many
- * loads. Not by a gather: on many CPUs it takes several times as long (AMD's; Intel's with the
- * microcode against Gather Data Sampling). */
+/* The pairs from eight addresses: two for `even`, two for `odd`, and so on. `two` has two indices in each number, which
+ * halves the loads. A gather takes several times as long on many CPUs (AMD's; Intel's with the microcode against Gather
+ * Data Sampling). */
 INLINE void eight_pairs(const float *first, ptrdiff_t step, const int64_t two[4], __m256 *even, __m256 *odd)
 {
 #define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (int32_t)two[(k) / 2]))

@@ -1,11 +1,11 @@
 /* lib/kernels/x86_yuv.h: Y'CbCr of 8 bits to light, for the levels of x86. The same results as groups_of_yuv of
  * pixels_to_linear.h, in another order. No code is clamped: the table has entries for all codes that there can be.
  *
- * Three look-ups a pixel are what it takes: 8 of them are 27 instructions, of which the CPU can do 6 a cycle. Codes and
- * look-ups of the same pixels wait for each other, and what a CPU sees at a time is not much more than 16 pixels'
- * worth. So the codes of a group of 16 pixels are found between the look-ups of the group before the last, channel by
- * channel, and take the place of those. Indices go through memory: out of a vector's lanes they would take the units
- * that the arithmetic needs.
+ * Most of the time goes to three look-ups a pixel: 8 of them are 27 instructions, of which the CPU can do 6 a cycle.
+ * Look-ups wait for the codes of the same pixels, and the instructions that a CPU has in flight are not much more than
+ * 16 pixels' worth. So the codes of a group of 16 pixels are computed between the look-ups of the group before the
+ * last, channel by channel, and overwrite that group's. Indices go through memory: taking them out of a vector's lanes
+ * would use the units that the arithmetic needs.
  */
 #ifndef PUPIL_KERNELS_X86_YUV_H
 #define PUPIL_KERNELS_X86_YUV_H
@@ -35,7 +35,7 @@ INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
                          .blue_u = v_all(c->blue_u * CHROMA_UNIT)};
 }
 
-/* A vector of codes: the entries of the table below them, and how far on they are. */
+/* Splits a vector of codes into the table entries below them, and the rests. */
 INLINE void part_codes(floats code, int32_t *index, float *rest)
 {
     const floats below = v_floor(code);
@@ -43,7 +43,7 @@ INLINE void part_codes(floats code, int32_t *index, float *rest)
     v_store(rest, v_sub(code, below));
 }
 
-/* Of 16 pixels, in the place of how far on they are. */
+/* The light of 16 pixels, which overwrites their rests. */
 INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
 {
     for (int i = 0; i < PUPIL_LANES; i += 8) {
@@ -55,7 +55,7 @@ INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
     }
 }
 
-/* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the one from there on (`begin`). */
+/* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the group at i (`begin`). */
 INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, size_t i, int begin, int end,
                         int32_t index[3][PUPIL_LANES], pupil_planes *p)
 {

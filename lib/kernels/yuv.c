@@ -1,6 +1,5 @@
-/* Two rows at a time to the planes of NV12 or I420: block by block as RGBA codes, in the L1 cache, and from these Y',
- * Cb and Cr.
- */
+/* Maps two rows at a time to the planes of NV12 or I420: each block becomes RGBA codes in the L1 cache, and these
+ * become Y', Cb and Cr. */
 #include "kernels.h"
 
 static void part_planes(const uint8_t *restrict both, uint32_t pairs, uint8_t *restrict cb, uint8_t *restrict cr)
