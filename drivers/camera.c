@@ -1,5 +1,5 @@
-/* The calls of a camera of any kind: what its table has, and the configuration of pupil/sensor.h made from its limits.
- */
+/* The calls of a camera of any kind: its table's functions, and the configuration of pupil/sensor.h made from its
+ * limits. */
 #include "pupil/camera_controls.h"
 
 /* The same law by pupil/sensor.h's names, where it has one. */
@@ -44,7 +44,7 @@ void pupil_camera_configure(pupil_camera *camera, pupil_sensor_config *config)
     config->delay_frames = longer + 1 < 16 ? longer + 1 : 16;
 }
 
-#define MOST_LATE 256 /* frames that are waiting or lost: more are a timestamp of another clock */
+#define MOST_LATE 256 /* frames that are waiting or lost: with more, a timestamp is by another clock */
 
 uint64_t pupil_camera_newest(uint64_t sequence, int64_t end_ns, int64_t now_ns, double frame_s)
 {

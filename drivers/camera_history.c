@@ -1,4 +1,4 @@
-/* What was in force in a frame, and what frames teach about it. */
+/* What was in force in a frame, and what frames show about it. */
 #include "camera_history.h"
 
 static uint64_t acts_from(const camera_history *h, const camera_entry *e)
@@ -11,8 +11,7 @@ uint64_t pupil_camera_history_acts_from(const camera_history *h)
     return acts_from(h, &h->entry[(h->count - 1) % CAMERA_HISTORY]);
 }
 
-/* Of the entries that are still there the newest whose frame has come. What was in force before the first one, nobody
- * knows: 0. */
+/* The newest of the kept entries whose frame has come. What was in force before the first one is not known: 0. */
 double pupil_camera_history_at(const camera_history *h, uint64_t sequence)
 {
     const uint32_t kept = h->count < CAMERA_HISTORY ? h->count : CAMERA_HISTORY;
@@ -61,10 +60,9 @@ static int has_measured(const camera_timeline *time, uint64_t from, uint64_t to)
     return 0;
 }
 
-/* What frames show is counted from the frame that was measured when a setting was asked for; where the last two writes
- * were not equally late after it, nobody knows which of them was seen. And only where frames came that were taken
- * otherwise than they said have they shown anything: where the one that would show it was lost, the assumed delay
- * stays. 1: the delay is another one now. */
+/* What frames show is counted from the frame that was measured when a setting was asked for; if the last two writes
+ * were not equally late after it, it is not known which of them was seen. Only a measured frame for which the two
+ * delays give different settings shows anything: if it was lost, the assumed delay stays. 1: the delay has changed. */
 static int learn(const camera_timeline *time, camera_history *h, uint32_t seen)
 {
     if (!seen || seen == h->learned || !h->late || (h->late_before && h->late_before != h->late))

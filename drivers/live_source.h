@@ -1,6 +1,6 @@
-/* drivers/live_source.h: what all live cameras have in common, of whatever kind they are: a source (source.h) that
- * says what the camera is, counts what it did not hand out, and has a table of operations. V4L2's is in drivers/live,
- * libcamera's in drivers/libcamera. live/live.h opens one of them and has the calls for its users.
+/* drivers/live_source.h: what live cameras of all kinds have in common: a source (source.h) that says what the camera
+ * is, counts what it did not hand out, and has a table of operations. V4L2's is in drivers/live, libcamera's in
+ * drivers/libcamera. live/live.h opens one of them and has the calls for its users.
  *
  * Exposure and gain are a pupil_camera, which has a table of its own (pupil/camera_controls.h).
  */
@@ -55,7 +55,7 @@ typedef struct pupil_live_control {
     uint32_t id;
     char name[32];
     double value, least, most, step, usual; /* value NaN: the camera does not say it */
-    char item[32];                          /* of a menu: what the value is called; "" */
+    char item[32];                          /* of a menu: the value's name; "" */
     int on_sensor;                          /* the sensor's own */
     int automatic;                          /* it steers by itself now, and is turned off while pupil steers */
 } pupil_live_control;
@@ -66,8 +66,8 @@ typedef struct pupil_live_offers {
     pupil_live_modes modes;
     pupil_live_control control[PUPIL_LIVE_CONTROLS];
     unsigned controls;
-    unsigned gain_place;              /* of the control of gain among them, from 1; 0: there is none */
-    int has_entity, has_sensor;       /* something feeds the node; and the table of sensors knows it */
+    unsigned gain_place;              /* the gain's number among them, from 1; 0: there is none */
+    int has_entity, has_sensor;       /* an entity feeds the node; the table of sensors has it */
     char entity[64], entity_path[64]; /* as media-ctl names it; its node */
     pupil_camera_sensor sensor;
 } pupil_live_offers;
@@ -104,15 +104,15 @@ typedef enum pupil_live_late {
     PUPIL_LIVE_LATE_LEFT_OUT = 1, /* the newest is handed out, the others count as late */
 } pupil_live_late;
 
-/* Whether a program is slower than the camera: then every frame would wait in a full queue, and frames be lost all the
- * same. All zero: it is not. */
+/* Whether a program is slower than the camera: then every frame would wait in a full queue, and frames would be lost
+ * nevertheless. All zero: it is not. */
 typedef struct pupil_live_pace {
-    uint32_t marks; /* bit k: so many frames ago, frames had been lost or left out */
+    uint32_t marks; /* bit k: k frames ago, frames had been lost or left out */
     uint32_t is_behind;
 } pupil_live_pace;
 
-/* A frame is handed out, before which so many were lost by the driver or left out. Two such frames of the last eight
- * begin it, and sixteen in a row without end it: a single delay does neither. */
+/* A frame is handed out, before which `missing` were lost by the driver or left out. Two such frames of the last eight
+ * set is_behind, and sixteen others in a row clear it: a single delay does neither. */
 static inline void pupil_live_pace_frame(pupil_live_pace *pace, uint64_t missing)
 {
     pace->marks = pace->marks << 1 | (missing > 0);
@@ -126,21 +126,21 @@ static inline int pupil_live_wants_newest(int late, const pupil_live_pace *pace)
     return late == PUPIL_LIVE_LATE_LEFT_OUT || (late == PUPIL_LIVE_LATE_BY_PACE && pace->is_behind);
 }
 
-/* What stamped a frame, and when in its life. */
+/* Which moment a frame's timestamp is of. */
 typedef enum pupil_live_stamp {
-    PUPIL_LIVE_STAMP_NONE = 0,     /* nobody, or by another clock: the moment it was taken from the driver */
+    PUPIL_LIVE_STAMP_NONE = 0,     /* no stamp, or by another clock: the moment it was taken from the driver */
     PUPIL_LIVE_STAMP_END_OF_FRAME, /* its last byte had arrived */
     PUPIL_LIVE_STAMP_START_OF_EXPOSURE
 } pupil_live_stamp;
 
-/* Of the frame that is out. Latency is the present less stamp_ns. */
+/* Of the frame that is out. Latency is now less stamp_ns. */
 typedef struct pupil_live_times {
     uint32_t stamp;   /* a pupil_live_stamp */
     int64_t stamp_ns; /* CLOCK_MONOTONIC */
     int64_t taken_ns; /* when it came from the driver; of the source's clock */
 } pupil_live_times;
 
-/* Of a source that is one; live/live.h has what each is for. */
+/* The operations of a live source; live/live.h says what each is for. */
 typedef struct pupil_live_ops {
     int64_t (*now_ns)(const pupil_source *source);
     int (*is_linear)(const pupil_source *source);

@@ -5,8 +5,8 @@
 #include "refuse.h"
 #include "source.h"
 
-/* For a source that knows its frames' size before it makes or reads one. Returns -1 where they are larger, and says so
- * of `name`, with `prefix` before it. options may be NULL. */
+/* For a source that knows its frames' size before it makes or reads one. Returns -1 if they are larger, and a sentence
+ * about `name`, with `prefix` before it. options may be NULL. */
 static inline int pupil_check_max_pixels(const pupil_source_options *options, uint32_t width, uint32_t height,
                                          const char *prefix, const char *name, pupil_why *why)
 {

@@ -1,5 +1,5 @@
-/* drivers/number.h: numbers in files and in texts, which have a point in every locale. In a header, for all that
- * libpupil-camera.a defines begins with pupil_camera_. */
+/* drivers/number.h: numbers in files and in texts, which have a point in every locale. In a header, because all symbols
+ * of libpupil-camera.a begin with pupil_camera_. */
 #ifndef PUPIL_DRIVERS_NUMBER_H
 #define PUPIL_DRIVERS_NUMBER_H
 

@@ -21,8 +21,8 @@ static inline size_t pupil_utf8_length(const char *text)
     return length;
 }
 
-/* Control characters become '?': those of ASCII, U+0080 to U+009F, which terminals obey as well, and, so that no
- * terminal takes them for these, bytes that are no UTF-8. */
+/* Control characters become '?': those of ASCII, U+0080 to U+009F, which terminals obey as well, and bytes that are not
+ * UTF-8, which a terminal could take for these. */
 static inline void pupil_plain_text(char *text)
 {
     while (*text) {

@@ -24,13 +24,13 @@
 
 enum { PUPIL_SINK_OK = 0, PUPIL_SINK_FAILED = -1 };
 
-/* The sound that goes with the frames: that of a file. */
+/* The sound that goes with the frames, from a file. */
 typedef struct pupil_sink_sound {
     const char *path; /* NULL: none; "-": of standard input, which cannot be read again */
     int64_t begin_ns; /* the file's time of the first frame */
 } pupil_sink_sound;
 
-/* A frame of a video may stay for so long: slides are in a video. */
+/* How long a frame of a video may be shown: a video may have slides. */
 #define PUPIL_SINK_VIDEO_GAP_S 60.0
 
 typedef struct pupil_sink_options {
@@ -43,14 +43,14 @@ typedef struct pupil_sink_options {
                     * its timestamp requires. So a stream with gaps plays at its own speed. Longer gaps than
                     * gap_most_s are left out. Other formats store the timestamps */
     double gap_most_s;
-    uint32_t aspect[2]; /* of a pixel, width to height; 0, 0: square. .mp4, .mkv, .mov and .y4m say it */
-    int named; /* of a folder: each picture by the name of its frame (pupil_sink.frame_name), and of its own size */
+    uint32_t aspect[2]; /* of a pixel, width to height; 0, 0: square. .mp4, .mkv, .mov and .y4m store it */
+    int named; /* of a folder: each picture has the name of its frame (pupil_sink.frame_name), and its own size */
     pupil_sink_sound sound; /* copied into .mp4, .mkv and .mov, as it is */
-    pupil_why *without;     /* open's: why a video has no sound; empty: it has, or there is none. NULL: not asked */
-    int live; /* .mp4, .mkv and .mov: what was written plays, though the process be killed: at most a second of it is
-               * lost. From the first half second on the file is in its place, also when a write fails later. It is
-               * made of fragments, and encoded without looking ahead. A .y4m is in its place from its first frame on;
-               * where a write fails it is cut to its whole frames, and a folder takes its place with those it has */
+    pupil_why *without; /* set by open: why a video has no sound; empty: it has, or there is none. NULL: not asked */
+    int live; /* .mp4, .mkv and .mov: what was written plays even if the process is killed: at most a second is lost.
+               * The file has its final name from the first half second on, also if a write fails later. It is made of
+               * fragments, and encoded without lookahead. A .y4m has its final name from its first frame on; if a write
+               * fails it is cut to its whole frames, and a folder gets its final name with those it has */
 } pupil_sink_options;
 
 typedef struct pupil_sink pupil_sink;

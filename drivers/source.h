@@ -4,7 +4,7 @@
  *     open -> next -> (use the frame) -> done -> next -> ... -> close
  *
  * Rules for every source:
- * - Memory is taken at open, or at the first frame of a new size; none per frame in a steady stream.
+ * - Memory is allocated at open, or at the first frame of a new size; none per frame in a steady stream.
  * - A frame handed out by next stays valid until done (or close). One frame is out at a time.
  * - Light has Rec.709 primaries and D65 white, or (live cameras, recordings, video of PQ and HLG) those of
  *   source.primaries; the source converts. PQ: 1.0 is 100 cd/m2. HLG: scene light.
@@ -33,7 +33,7 @@ enum {
     PUPIL_SOURCE_FAILED = -2 /* open, next: nothing more will come */
 };
 
-/* Where the planes of an image are in memory that the kernel shares (dma-bufs), for those that can read it there. */
+/* Where the planes of an image are in memory that the kernel shares (dma-bufs), for users that can read it there. */
 typedef struct pupil_frame_dmabuf {
     int fd[3]; /* of each plane, as image has them; they stay the source's */
     uint32_t offset_bytes[3];
@@ -44,7 +44,7 @@ typedef struct pupil_frame {
     pupil_image_const image;
     pupil_frame_info info;
     const char
-        *name; /* for messages and file names: the file the frame came from, or the source's own word; never NULL */
+        *name; /* for messages and file names: the file the frame came from, or the source's own name; never NULL */
     const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
     size_t coded_bytes; /* of coded */
     const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
@@ -62,8 +62,8 @@ typedef struct pupil_source_options {
     uint64_t seed;       /* of sources that draw random numbers (pan); 0: the default seed */
     unsigned threads;    /* of sources that compute their frames (synth); 0: one for each processor */
     int as_stored;       /* of video and JPEG: not turned upright */
-    uint64_t max_pixels; /* frames of more are refused, but those of cameras; 0: of stills still.h has it */
-    int (*stop)(void);   /* asked during long work, which is given up where it says so; NULL: never */
+    uint64_t max_pixels; /* larger frames are refused, except a camera's; 0: for stills as in still.h */
+    int (*stop)(void);   /* asked during long work; nonzero ends that; NULL: never */
 } pupil_source_options;
 
 typedef struct pupil_source pupil_source;
@@ -81,8 +81,8 @@ struct pupil_source {
     uint64_t frames;    /* how many frames it expects to hand out; 0: unknown */
     uint32_t primaries; /* of its frames, for pupil_config: PUPIL_PRIMARIES_BT709 or BT2020 */
     uint32_t obeys;     /* which of its options act: PUPIL_SOURCE_FPS ... */
-    int is_named;       /* each frame has a file of its own, by whose name it is known */
-    /* Leaves out frames that are not needed, as if they had been taken; how many were. NULL: take them. */
+    int is_named;       /* each frame has a file of its own, and that file's name */
+    /* Skips frames that are not needed, as if they had been taken; returns how many. NULL: take them. */
     uint64_t (*skip)(pupil_source *source, uint64_t frames);
     uint32_t pixel_aspect[2]; /* width to height of a pixel, as it is to be shown; 0, 0: square */
     pupil_sink_sound sound;   /* that goes with the frames, known with the first one; the path lives as long */

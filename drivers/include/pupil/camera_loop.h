@@ -11,12 +11,12 @@
  *         pupil_camera_loop_frame(&loop, &stats, &info);     // asks the camera for the next setting
  *         ... show the frame times loop.setting.frame_digital ...
  *
- * Slow: while a write takes longer than a frame, nobody knows which frame is the first with its setting. Frames are not
- * measured until the write has returned and one frame with its values has passed.
+ * Slow: while a write takes longer than a frame, it is not known which frame is the first with its setting. Frames are
+ * not measured until the write has returned and one frame with its values has passed.
  * Refused: a setting that the driver refused (EBUSY, EIO) is asked for again with every frame until the camera takes
  * it. The setting is locked until then.
- * Lost: controls that are gone (unplugged) are taken out with pupil_camera_loop_lost. The controls that come back are
- * begun with again, from the total that was wanted last.
+ * Lost: call pupil_camera_loop_lost when the controls are gone (unplugged), and begin again when they come back: it
+ * starts from the total that was wanted last.
  *
  * The camera can be any pupil_camera: V4L2's, or one with a table of its own.
  *
@@ -45,7 +45,7 @@ typedef struct pupil_camera_loop {
     pupil_camera *camera; /* NULL: no controls now */
     pupil_sensor_config config;
     pupil_camera_setting asked;
-    uint32_t locked;        /* the sensor is, for the camera refuses settings */
+    uint32_t locked;        /* the sensor is, because the camera refuses settings */
     uint64_t failed_before; /* writes of this camera that had failed when it was last looked at */
     pupil_sensor sensor;
 } pupil_camera_loop;
@@ -56,16 +56,16 @@ typedef struct pupil_camera_loop {
 int pupil_camera_loop_begin(pupil_camera_loop *loop, pupil_camera *camera, const pupil_sensor_config *config,
                             double total_s, pupil_why *why);
 
-/* In the place of begin: one setting for good, which is asked for again where it is refused. */
+/* Instead of begin: one permanent setting, which is asked for again if it is refused. */
 void pupil_camera_loop_hold(pupil_camera_loop *loop, pupil_camera *camera, const pupil_camera_setting *setting);
 
 /* Another configuration at any time, as pupil_sensor_retune: 0, or a PUPIL_ERR_. */
 int pupil_camera_loop_retune(pupil_camera_loop *loop, const pupil_sensor_config *config);
 
-/* The statistics of a frame, and its info with the exposure time and gain of pupil_camera_in_force: the setting
- * follows, and is asked for where it has changed. Nothing happens while there are no controls, or while one setting is
- * held. What pupil_sensor_frame returns; 0 where nothing happens. Where more than a frame's period may have passed
- * since the frame was complete, pupil_camera_frame comes before this once more, with pupil_camera_newest. */
+/* Takes the statistics of a frame, and its info with the exposure time and gain of pupil_camera_in_force; the setting
+ * follows, and is asked for if it has changed. Nothing happens while there are no controls, or while one setting is
+ * held. Returns what pupil_sensor_frame returns, or 0 if nothing happens. If more than a frame's period may have passed
+ * since the frame was complete, call pupil_camera_frame once more before this, with pupil_camera_newest. */
 int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, const pupil_frame_info *info);
 
 /* Light that is known to change: as pupil_sensor_announce. The setting for it is asked for at once, so call it where
@@ -73,8 +73,8 @@ int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, c
  * is held. */
 int pupil_camera_loop_announce(pupil_camera_loop *loop, double ev, uint32_t within_frames, uint32_t change);
 
-/* Another total, exposure time x gain, that was decided elsewhere: by another camera's loop. Of a loop whose
- * config.lock is 1: its frames are measured, and decide nothing. The setting is brought into this camera's limits, and
+/* Sets a total, exposure time x gain, that was decided elsewhere: by another camera's loop. For a loop whose
+ * config.lock is 1: its frames are measured, but decide nothing. The setting is clamped to this camera's limits, and
  * asked for at once. 0, or a PUPIL_ERR_. */
 int pupil_camera_loop_follow(pupil_camera_loop *loop, double total_s);
 

@@ -120,14 +120,15 @@ class Pupil
         return exposure;
     }
 
-    /* For the other functions of pupil/pupil.h; but pupil_get_stats has no frames that several threads metered. */
+    /* For the other functions of pupil/pupil.h; but pupil_get_stats does not cover frames that several threads metered.
+     */
     pupil_t *get()
     {
         return &object_;
     }
 
   private:
-    /* Below so many rows another thread does not pay; a multiple of 4, as mosaics and planes need (pupil/image.h). */
+    /* With fewer rows another thread does not pay; a multiple of 4, as mosaics and planes need (pupil/image.h). */
     enum { ROWS_A_GROUP = 64 };
 
     /* Row of the frame that a group begins with. */
@@ -255,7 +256,7 @@ inline cv::Ptr<TonemapPupil> createTonemapPupil(float gamma = 1.0f, const pupil_
  *     pupil_cv::Video<cv::VideoCapture> video(capture);
  *     while (video.read(picture)) cv::imshow("pupil", picture);
  *
- * Time is CAP_PROP_POS_MSEC where it advances (of a file its own time, of V4L2 the driver's), else when frames arrive.
+ * Time is CAP_PROP_POS_MSEC if it advances (a file's own time, or V4L2's from the driver), else when frames arrive.
  */
 template <class Capture> class Video
 {

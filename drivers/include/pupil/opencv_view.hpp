@@ -19,7 +19,7 @@ namespace detail
 
 struct Layout {
     int type;
-    int rows, of; /* the Mat has so many rows for each `of` of the picture */
+    int rows, of; /* the Mat has `rows` rows for each `of` of the picture */
 };
 
 inline Layout plain(int type)
@@ -27,7 +27,7 @@ inline Layout plain(int type)
     return Layout{type, 1, 1};
 }
 
-/* How a format is in a Mat; type -1: there is no such format. */
+/* How a format is laid out in a Mat; type -1: there is no such format. */
 inline Layout layout_of(uint32_t pixel)
 {
     switch (pixel) {
@@ -157,7 +157,7 @@ inline pupil_image image_of(const cv::Mat &mat, void *data, uint32_t pixel, int 
     return image;
 }
 
-/* Files and OpenCV's own conversions have grey that is coded; sensors, which are named, have linear grey. */
+/* Grey of files and of OpenCV's own conversions is coded; a sensor's, whose format is named, is linear. */
 inline pupil_coding display_grey()
 {
     pupil_coding coding = pupil_coding();
