@@ -105,7 +105,7 @@ void pupil_white_balance_frame(pupil_white_balance *colour, const pupil_image_co
                               ? ((double)info->timestamp_ns - (double)colour->last_ns) * 1e-9
                               : NOMINAL_S;
     const double dt_s = past_s > 0.0 ? past_s : 0.0;
-    /* The implicit step of a first-order filter: no overshoot however long a frame was waited for. */
+    /* The implicit step of a first-order filter: no overshoot after a gap of any length. */
     const double share = colour->began ? dt_s / (dt_s + PUPIL_WHITE_BALANCE_TAU_S) : 1.0;
     for (int i = 0; i < 3; i++) {
         const double aim = grey[i] < PUPIL_WHITE_BALANCE_MOST ? (double)grey[i] : PUPIL_WHITE_BALANCE_MOST;

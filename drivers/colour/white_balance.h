@@ -8,12 +8,12 @@
  *
  * Automatic balance: factors that make the average of a frame grey (pupil_stats_grey_world), at most
  * PUPIL_WHITE_BALANCE_MOST each. The first frame with light sets them for the second one; from then on they follow with
- * a time constant of PUPIL_WHITE_BALANCE_TAU_S, at any frame rate. A frame without light, or clipped all over,
- * moves nothing. The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as
- * it was. Of large frames one row of quads in eight is looked at, another one each time, so that it costs little
- * compared with a GPU that does the rest.
+ * a time constant of PUPIL_WHITE_BALANCE_TAU_S, at any frame rate. A frame without light, or clipped all over, changes
+ * nothing. The same frames give the same factors, bit for bit, so a recording of raw frames is balanced again as it
+ * was. Of large frames one row of quads in eight is metered, another one each time, so that it costs little compared
+ * with a GPU that does the rest.
  *
- * Formats that are no mosaics keep the coding that they came with, but for the black level of grey.
+ * Formats other than mosaics keep the coding that they came with, except for the black level of grey.
  */
 #ifndef PUPIL_DRIVERS_COLOUR_WHITE_BALANCE_H
 #define PUPIL_DRIVERS_COLOUR_WHITE_BALANCE_H
@@ -25,7 +25,7 @@
 #include "pupil/error.h"
 #include "pupil/pupil.h"
 
-/* Seconds; chosen: a person does not see the factors move, and a lamp switched on is grey soon. */
+/* Seconds; chosen so that a person does not see the factors move, and a lamp switched on is grey soon. */
 #define PUPIL_WHITE_BALANCE_TAU_S 1.5
 /* Chosen: a wall of one colour must not be made grey altogether. */
 #define PUPIL_WHITE_BALANCE_MOST 4.0
@@ -56,7 +56,7 @@ typedef struct pupil_white_balance {
 } pupil_white_balance;
 
 /* `coding` is what the driver says of the frames, NULL: nothing. `sensor` is what is known of it, NULL: nothing. A
- * matrix is of balanced colours: the sensor's own is left out where balance is off. 0, or -1 and a sentence: something
+ * matrix is for balanced colours: the sensor's own is not used if balance is off. 0, or -1 and a sentence: something
  * given is out of its range, or of no use with this format. */
 int pupil_white_balance_begin(pupil_white_balance *colour, const pupil_colour_options *options,
                               const pupil_coding *coding, uint32_t pixel, const pupil_camera_sensor *sensor,

@@ -102,7 +102,7 @@ static int planes_of(const pupil_dmabuf *b, plane planes[PLANES])
         const size_t row = i ? pupil_chroma_row_bytes(b->pixel, b->width) : pupil_row_bytes(b->pixel, b->width);
         const uint32_t channels = packed_yuv || (i && count == 2) ? 2 : 1;
         uint32_t bytes = (uint32_t)pupil_pixel_bytes(b->pixel) * (i ? channels : 1);
-        bytes = bytes ? bytes : 1; /* packed samples: texel by texel their bytes */
+        bytes = bytes ? bytes : 1; /* packed samples: a texel for each byte */
         planes[i] = (plane){.format = rgb ? rgb : formats[channels - 1][bytes / channels - 1],
                             .width = (uint32_t)(row / bytes),
                             .height = i ? pupil_chroma_rows(b->pixel, b->height) : b->height,
@@ -115,8 +115,8 @@ static int planes_of(const pupil_dmabuf *b, plane planes[PLANES])
     return count;
 }
 
-/* A plane that does not fit its buffer would be read beyond its end. What a modifier other than linear makes of rows
- * only the driver knows. */
+/* A plane that does not fit its buffer would be read beyond its end. Only the driver knows the rows of a modifier other
+ * than linear. */
 static int check_plane(const pupil_dmabuf *b, const plane *p, int index, pupil_why *why)
 {
     uint64_t row = (uint64_t)p->width * p->texel_bytes;
@@ -140,7 +140,7 @@ static int check_plane(const pupil_dmabuf *b, const plane *p, int index, pupil_w
     return 0;
 }
 
-/* The context can import the buffer, as far as its extensions say; the display it is of. */
+/* Whether the context can import the buffer, by its extensions; finds its display. */
 static int check_context(const pupil_dmabuf *b, EGLDisplay *display, pupil_why *why)
 {
     static const char *const needed[] = {"EGL_KHR_image_base", "EGL_EXT_image_dma_buf_import"};
@@ -161,7 +161,7 @@ static int check_context(const pupil_dmabuf *b, EGLDisplay *display, pupil_why *
     return 0;
 }
 
-/* An error that was there before; a lost context answers with one for ever. */
+/* Drops errors from before; a lost context reports one for ever. */
 static void drop_errors(void)
 {
     for (int i = 0; i < 8 && gl.get_error() != GL_NO_ERROR; i++)
@@ -187,7 +187,7 @@ static int import_plane(EGLDisplay display, const pupil_dmabuf *b, const plane *
     pair(attributes, &n, EGL_DMA_BUF_PLANE0_FD_EXT, p->fd);
     pair(attributes, &n, EGL_DMA_BUF_PLANE0_OFFSET_EXT, (EGLint)p->offset_bytes);
     pair(attributes, &n, EGL_DMA_BUF_PLANE0_PITCH_EXT, (EGLint)p->stride_bytes);
-    /* A driver without modifiers takes a buffer to be linear, or asks the kernel. */
+    /* A driver without modifiers assumes that a buffer is linear, or asks the kernel. */
     if (b->has_modifier && pupil_egl_has(display, "EGL_EXT_image_dma_buf_import_modifiers")) {
         pair(attributes, &n, EGL_DMA_BUF_PLANE0_MODIFIER_LO_EXT, (EGLint)(b->modifier & 0xffffffff));
         pair(attributes, &n, EGL_DMA_BUF_PLANE0_MODIFIER_HI_EXT, (EGLint)(b->modifier >> 32));

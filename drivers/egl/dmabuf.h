@@ -10,8 +10,8 @@
  *
  * GL state: the 2D binding of the active texture unit and the framebuffer binding are left 0.
  *
- * Threads: that in which the context is current. All work on eglGetCurrentDisplay, which is there as long as the
- * context is: release and close come before its end.
+ * Threads: the one in which the context is current. All calls use eglGetCurrentDisplay, which exists as long as the
+ * context does: release and close come before its end.
  */
 #ifndef PUPIL_DRIVERS_EGL_DMABUF_H
 #define PUPIL_DRIVERS_EGL_DMABUF_H
@@ -46,8 +46,8 @@ int pupil_dmabuf_import(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textu
 /* Deletes what import or framebuffer made; twice is allowed. */
 void pupil_dmabuf_release(pupil_dmabuf_textures *textures);
 
-/* The same for an output: a framebuffer that renders into the buffer (RGBA8, RGBX8 or BGRX8), for pupil_gles_target. It
- * is pupil_dmabuf_release's to delete, too. */
+/* The same for an output: a framebuffer that renders into the buffer (RGBA8, RGBX8 or BGRX8), for pupil_gles_target.
+ * pupil_dmabuf_release deletes it, too. */
 int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *textures, uint32_t *framebuffer,
                              pupil_why *why);
 
@@ -55,15 +55,15 @@ int pupil_dmabuf_framebuffer(const pupil_dmabuf *buffer, pupil_dmabuf_textures *
  */
 typedef struct pupil_fence pupil_fence;
 pupil_fence *pupil_fence_make(void);
-/* 1: all of it is done; 0: not yet; -1: never to be known (the context is lost, or not current). Never waits. */
+/* 1: all of it is done; 0: not yet; -1: it cannot be known (the context is lost, or not current). Never waits. */
 int pupil_fence_done(pupil_fence *fence);
 /* A sync file of the kernel's, to be polled or handed on, and closed by the caller; -1: the driver has none
  * (EGL_ANDROID_native_fence_sync). */
 int pupil_fence_fd(pupil_fence *fence);
 void pupil_fence_close(pupil_fence *fence);
 
-/* Makes the GPU wait (not the caller) for a sync file before anything that is handed to GL from now on. Takes the file
- * descriptor over. -1: the driver cannot; poll it (POLLIN) instead, it stays the caller's. */
+/* Makes the GPU wait (not the caller) for a sync file before anything that is handed to GL from now on. Takes over the
+ * file descriptor. -1: the driver cannot; poll the file (POLLIN) instead, it stays the caller's. */
 int pupil_fence_wait_fd(int fd);
 
 #endif

@@ -115,7 +115,7 @@ static int open_context(pupil_egl *egl, const pupil_egl_options *options, pupil_
         return pupil_refuse(why, "the driver has no OpenGL ES %u.%u: %s", lowest / 10, lowest % 10, pupil_egl_error());
     if (pupil_egl_make_current(egl) != 0)
         return pupil_refuse(why, "the OpenGL ES context cannot be made current: %s", pupil_egl_error());
-    if (!eglGetProcAddress("glGetString")) /* EGL 1.4 may find extensions' functions alone */
+    if (!eglGetProcAddress("glGetString")) /* EGL 1.4 may find only extensions' functions */
         return pupil_refuse(why, "EGL does not find OpenGL ES's own functions here: it lacks %s",
                             "EGL_KHR_get_all_proc_addresses");
     uint32_t got = current_version();

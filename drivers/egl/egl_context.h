@@ -25,7 +25,8 @@ typedef struct pupil_egl_options {
  * options NULL: all zero. */
 int pupil_egl_open(pupil_egl **egl, const pupil_egl_options *options, pupil_why *why);
 
-/* Destroys the context; in this thread none is current if it was. NULL is allowed. pupil_gles_close comes first. */
+/* Destroys the context; if it was current in this thread, none is now. NULL is allowed. pupil_gles_close comes first.
+ */
 void pupil_egl_close(pupil_egl *egl);
 
 /* 0: current in this thread from now on. */
@@ -36,7 +37,7 @@ int pupil_egl_release_current(pupil_egl *egl);
 /* For pupil_gles_init. */
 pupil_gles_function pupil_egl_get_proc(const char *name);
 
-/* The EGLDisplay; of a window's context (drivers/window/window.h) eglGetCurrentDisplay says it. */
+/* The EGLDisplay; for a window's context (drivers/window/window.h) use eglGetCurrentDisplay. */
 void *pupil_egl_display(const pupil_egl *egl);
 
 /* GL_RENDERER and GL_VERSION of the current context, as text for messages: "llvmpipe (...), OpenGL ES 3.2 ..." */

@@ -8,7 +8,7 @@
 
 #include "refuse.h"
 
-/* The list, words parted by blanks, has the name. NULL: an empty list. */
+/* The list, words separated by blanks, has the name. NULL: an empty list. */
 int pupil_egl_listed(const char *list, const char *name);
 /* The display has the extension. EGL_NO_DISPLAY: EGL itself has it. */
 int pupil_egl_has(EGLDisplay display, const char *extension);

@@ -41,14 +41,14 @@ pupil_fence *pupil_fence_make(void)
     EGLSyncKHR sync = EGL_NO_SYNC_KHR;
     if (display == EGL_NO_DISPLAY || !pupil_egl_has(display, "EGL_KHR_fence_sync"))
         return NULL;
-    /* A native one answers pupil_fence_fd too. */
+    /* A native fence also serves pupil_fence_fd. */
     if (pupil_egl_has(display, "EGL_ANDROID_native_fence_sync"))
         sync = egl.create(display, EGL_SYNC_NATIVE_FENCE_ANDROID, NULL);
     if (sync == EGL_NO_SYNC_KHR)
         sync = egl.create(display, EGL_SYNC_FENCE_KHR, NULL);
     if (sync == EGL_NO_SYNC_KHR)
         return NULL;
-    /* What is not flushed may never begin; and only a flush gives a native fence its file. */
+    /* Commands that are not flushed may never begin; and only a flush gives a native fence its file. */
     egl.flush();
     return (pupil_fence *)sync;
 }
@@ -87,7 +87,7 @@ int pupil_fence_wait_fd(int fd)
     if (fd < 0 || display == EGL_NO_DISPLAY || !pupil_egl_has(display, "EGL_ANDROID_native_fence_sync") ||
         !pupil_egl_has(display, "EGL_KHR_wait_sync"))
         return -1;
-    /* EGL closes the file that it is given, also where waiting is refused; the caller's goes only when all is well. */
+    /* EGL closes the file that it is given, even if it refuses to wait; the caller's is closed only on success. */
     int own = fcntl(fd, F_DUPFD_CLOEXEC, 0);
     if (own < 0)
         return -1;
@@ -98,7 +98,7 @@ int pupil_fence_wait_fd(int fd)
         return -1;
     }
     int waits = egl.wait(display, sync, 0) == EGL_TRUE;
-    egl.destroy(display, sync); /* what waits still waits */
+    egl.destroy(display, sync); /* a wait that began continues */
     if (!waits)
         return -1;
     close(fd);

@@ -70,7 +70,7 @@ static GstCaps *caps_of_modes(const pupil_live_modes *modes, uint32_t fourcc)
     return NULL;
 }
 
-/* 1: all that the template has: downstream has no wish. */
+/* 1: the template's whole range: downstream has no preference. */
 static int is_open(const GstStructure *structure, const gchar *name)
 {
     const GValue *value = gst_structure_get_value(structure, name);
@@ -142,7 +142,7 @@ GstCaps *camera_caps_of_stream(GstCaps *wanted, const GstCaps *formats, uint32_t
     GstCaps *stream = gst_caps_copy(formats);
     fraction_of(fps, &n, &d);
     const GstStructure *first = gst_caps_get_structure(wanted, 0);
-    gint wanted_n, wanted_d; /* what was asked for by another name of the same rate */
+    gint wanted_n, wanted_d; /* the same rate as it was asked for, in another fraction */
     if (gst_structure_get_fraction(first, "framerate", &wanted_n, &wanted_d) &&
         (wanted_n == 0 || fabs((double)wanted_n / wanted_d / fps - 1.0) < 0.01)) {
         n = wanted_n;

@@ -19,7 +19,7 @@ typedef struct camera_asked {
 int camera_caps_ask(GstCaps *wanted, const pupil_live_modes *modes, uint32_t fourcc, camera_asked *asked,
                     pupil_why *why);
 
-/* The caps of what streams, fixed, in what downstream wants of formats. NULL and a sentence: it takes none of that. */
+/* The fixed caps of the stream, in a format that downstream wants. NULL and a sentence: it takes none of `formats`. */
 GstCaps *camera_caps_of_stream(GstCaps *wanted, const GstCaps *formats, uint32_t width, uint32_t height, double fps,
                                pupil_why *why);
 

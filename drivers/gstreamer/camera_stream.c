@@ -36,8 +36,8 @@ static void configure(const camera_stream *s, const camera_settings *w, pupil_se
     c->linear = (uint32_t)pupil_live_is_linear(s->source);
 }
 
-/* A camera that came, begins with what it has, so that its picture does not jump; one that came back, with what was
- * wanted last. */
+/* A new camera begins with the setting that it has, so that its picture does not jump; one that came back, with what
+ * was wanted last. */
 static int follow_camera(camera_stream *s, pupil_why *why)
 {
     pupil_sensor_config config;
@@ -57,7 +57,7 @@ static int follow_camera(camera_stream *s, pupil_why *why)
     return pupil_camera_loop_begin(&s->loop, camera, &config, s->loop.steers ? s->loop.setting.total_s : 0.0, why);
 }
 
-/* Stops by which the camera's largest setting is above the frame's: so much less is a dark frame noise. */
+/* Stops by which the camera's largest setting is above the frame's: a dark frame is less noisy by that much. */
 static double spare_ev(const camera_stream *s, const pupil_frame_info *info)
 {
     const pupil_sensor_config *c = &s->loop.config;
@@ -76,7 +76,7 @@ static void configure_picture(const camera_stream *s, const camera_settings *set
     c->nominal_frame_s = 1.0 / s->source->fps;
     c->primaries = s->source->primaries;
     c->output_primaries = c->primaries == PUPIL_PRIMARIES_BT709 ? PUPIL_OUTPUT_AS_INPUT : PUPIL_OUTPUT_BT709;
-    c->histogram = 1; /* the sensor's loop has highlights, too */
+    c->histogram = 1; /* for the highlights of the sensor's loop, too */
 }
 
 static void limit_amplification(camera_stream *s, const pupil_frame_info *info)
@@ -134,7 +134,7 @@ int camera_stream_show(camera_stream *s, pupil_frame *frame, const pupil_image *
     int error = pupil_meter(&s->pupil, &frame->image, &frame->info);
     if (!error && s->loop.steers && s->camera) {
         pupil_get_stats(&s->pupil, &s->stats);
-        pupil_live_mark(s->source); /* metering took its time */
+        pupil_live_mark(s->source); /* metering took time */
         error = pupil_camera_loop_frame(&s->loop, &s->stats, &frame->info);
     }
     if (!error && pupil_get_curve(&s->pupil, &frame->info, &curve))

@@ -10,7 +10,7 @@
 #include "pupil/pupil.h"
 
 typedef struct camera_settings {
-    pupil_config picture;                  /* but for what the camera's frames say of themselves */
+    pupil_config picture;                  /* except for what the camera's frames report */
     double exposure_min_s, exposure_max_s; /* within those of the camera; 0: its own */
     double gain_min, gain_max;             /* the same */
     uint32_t mains_hz;                     /* 50, 60, 0 or PUPIL_SENSOR_MAINS_AUTO */
@@ -40,13 +40,13 @@ int camera_stream_open(camera_stream *s, const char *device, const pupil_live_op
 /* Gives the camera's controls back. 0, or -1 and a sentence: one could not be. Of a closed one: 0. */
 int camera_stream_close(camera_stream *s, pupil_why *why);
 
-/* Other settings from the next frame on. 0, or -1 and a sentence: they are refused, and stay. */
+/* Other settings from the next frame on. 0, or -1 and a sentence: they are refused, and the old ones stay. */
 int camera_stream_retune(camera_stream *s, const camera_settings *settings, pupil_why *why);
 
 /* A frame of the source, to `out`, which has its size. 0, or -1 and a sentence. */
 int camera_stream_show(camera_stream *s, pupil_frame *frame, const pupil_image *out, pupil_why *why);
 
-/* What both say: of the sensor's loop where the exposure is steered, else of the level. Constant text. */
+/* The state of the sensor's loop if the exposure is steered, else of the level. Constant text. */
 const char *camera_stream_state(const camera_stream *s);
 const char *camera_stream_reason(const camera_stream *s);
 

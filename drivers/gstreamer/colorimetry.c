@@ -179,12 +179,12 @@ int colorimetry_out(const GstVideoInfo *info, pupil_coding *coding, pupil_config
         c->primaries == GST_VIDEO_COLOR_PRIMARIES_BT2020 ? PUPIL_OUTPUT_BT2020 : PUPIL_OUTPUT_BT709;
     const uint32_t as_input =
         config->output_primaries == PUPIL_OUTPUT_BT2020 ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709;
-    if (config->primaries == as_input) /* no matrix of ones, which would cost as any other */
+    if (config->primaries == as_input) /* no identity matrix, which would cost as much as any other */
         config->output_primaries = PUPIL_OUTPUT_AS_INPUT;
     return 0;
 }
 
-/* What the picture of this format is where downstream leaves it open; to be freed. */
+/* The colorimetry of a picture of this format if downstream leaves it open; to be freed. */
 static gchar *own_colorimetry(GstVideoFormat format)
 {
     const GstVideoFormatInfo *info = gst_video_format_get_info(format);

@@ -1,4 +1,4 @@
-/* drivers/gstreamer/colorimetry.h: what caps say of a stream's colours, as pupil has it.
+/* drivers/gstreamer/colorimetry.h: the colours that caps give a stream, in pupil's terms.
  *
  * In: range, matrix, transfer and primaries are obeyed. Unknown: the range of the format, BT.601 up to 576 rows and
  * BT.709 above, sRGB's curve (GRAY16_LE: linear light), BT.709's primaries.
@@ -19,8 +19,8 @@ int colorimetry_in(const GstVideoInfo *info, pupil_coding *coding, pupil_config 
 /* Sets `coding`, and of `config` those of the output. 0; -1 and a sentence: a picture cannot be made so. */
 int colorimetry_out(const GstVideoInfo *info, pupil_coding *coding, pupil_config *config, pupil_why *why);
 
-/* Of the caps of a picture of this format: its own colorimetry where it is open, the first that a picture can have
- * where it is a list. */
+/* Fixes the colorimetry in the caps of a picture: the format's own if it is open, the first that a picture can have if
+ * it is a list. */
 void colorimetry_fixate(GstStructure *structure, GstVideoFormat format);
 
 #endif

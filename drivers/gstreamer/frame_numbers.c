@@ -30,7 +30,7 @@ const gchar *frame_reason_word(uint32_t reason)
 
 void frame_numbers_register(void)
 {
-    static const gchar *const no_tags[] = {NULL}; /* true whatever becomes of the picture: copied with it */
+    static const gchar *const no_tags[] = {NULL}; /* true however the picture is changed: copied with it */
     if (!gst_meta_get_info(FRAME_NUMBERS_META))
         gst_meta_register_custom(FRAME_NUMBERS_META, (const gchar **)(gpointer)no_tags, NULL, NULL, NULL);
 }

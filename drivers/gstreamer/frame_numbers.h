@@ -24,7 +24,7 @@ const gchar *frame_reason_word(uint32_t reason);
 
 void frame_numbers_register(void);
 void frame_numbers_write(GstStructure *to, const pupil_exposure *exposure);
-/* The buffer's own structure, empty: of the meta that it has (from an element upstream), or of a new one. */
+/* The buffer's own structure, emptied: of the meta from an element upstream, or of a new one. */
 GstStructure *frame_numbers_of(GstBuffer *buffer);
 
 #endif

@@ -13,7 +13,7 @@ void picture_properties_write(const picture_properties *p, pupil_config *config)
     metering_write(&p->metered, config);
 }
 
-/* The number of the configuration that a property is; NULL: it is none. */
+/* The number of the configuration that a property sets; NULL: none. */
 static double *number_of(picture_properties *p, guint id)
 {
     switch (id) {

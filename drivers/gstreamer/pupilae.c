@@ -2,8 +2,8 @@
  *
  * Properties come from any thread: they are kept under the object's lock, and the streaming thread takes them before
  * its next frame. The level is forgotten at a flush, at the start of another stream, where the light is coded in
- * another way, and at a discontinuity with a gap of over a second or back in time. Frames that a leaky queue dropped
- * are none: adaptation counts seconds. Time is running time, so that it also advances in reverse playback.
+ * another way, and at a discontinuity with a gap of over a second or back in time. Frames that a leaky queue dropped do
+ * not count: adaptation counts seconds. Time is running time, so that it also advances in reverse playback.
  */
 #include <gst/video/gstvideofilter.h>
 #include <gst/video/video.h>
@@ -221,7 +221,7 @@ static GstFlowReturn transform_frame(GstVideoFilter *filter, GstVideoFrame *in_f
 
 /* --- caps --- */
 
-/* What is of one side alone. */
+/* Removes fields that concern one side alone. */
 static GstCaps *transform_caps(GstBaseTransform *base, GstPadDirection direction, GstCaps *caps, GstCaps *filter)
 {
     GstCaps *other = gst_caps_copy(caps);

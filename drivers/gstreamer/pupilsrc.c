@@ -29,7 +29,7 @@ const pupil_live_system *pupilsrc_system;
 
 typedef struct GstPupilSrc {
     GstPushSrc parent;
-    gint is_unlocked; /* atomic: what waits is to return */
+    gint is_unlocked; /* atomic: waiting calls are to return */
 
     /* under the object's lock */
     source_properties wanted;
@@ -95,7 +95,7 @@ static void get_property(GObject *object, guint id, GValue *value, GParamSpec *s
 
 /* --- the camera --- */
 
-/* Sources ask without a context, in the thread that waits. */
+/* Sources call `stop` without a context, in the thread that waits. */
 static _Thread_local GstPupilSrc *waiting;
 
 static int is_unlocked(void)
@@ -153,7 +153,7 @@ static int open_camera(GstPupilSrc *self, const camera_asked *asked)
     return 0;
 }
 
-/* Whether it is there is known at once, and what it offers. */
+/* Finds out at once whether the camera is there, and what it offers. */
 static gboolean start(GstBaseSrc *base)
 {
     GstPupilSrc *self = PUPIL_SRC(base);
@@ -310,7 +310,7 @@ static void take_properties(GstPupilSrc *self)
 }
 
 /* The frame's moment in running time, by any clock; negative: before the pipeline played. Both clocks are read at the
- * same moment: again where this thread was interrupted in between. */
+ * same moment: they are read again if this thread was interrupted in between. */
 static GstClockTimeDiff moment_of(GstPupilSrc *self, GstClock *clock, const pupil_frame_info *info)
 {
     GstClockTime before = 0, after = 0;
@@ -326,7 +326,7 @@ static GstClockTimeDiff moment_of(GstPupilSrc *self, GstClock *clock, const pupi
 }
 
 /* The timestamp of a frame; none where the pipeline has no clock. FALSE: it is old, from before the pipeline played or
- * from a pause. At most `patience` frames in a row are old: a clock that stands still has no newer ones. */
+ * from a pause. At most `patience` frames in a row are old: with a stopped clock there are no newer ones. */
 static gboolean stamp(GstPupilSrc *self, const pupil_frame_info *info, int patience, GstClockTime *at)
 {
     GstClock *clock = gst_element_get_clock(GST_ELEMENT(self));
@@ -350,7 +350,8 @@ static GstFlowReturn take_frame(GstPupilSrc *self, pupil_frame *frame, GstClockT
         if (got == PUPIL_SOURCE_END)
             return is_unlocked() ? GST_FLOW_FLUSHING : GST_FLOW_EOS;
         if (got != PUPIL_SOURCE_FRAME) {
-            /* The base class would post a second error for GST_FLOW_ERROR. So files downstream are complete, too. */
+            /* For GST_FLOW_ERROR the base class would post a second error. With EOS, files downstream are complete,
+             * too. */
             GST_ELEMENT_ERROR(self, RESOURCE, READ, ("%s", why.text), (NULL));
             return GST_FLOW_EOS;
         }

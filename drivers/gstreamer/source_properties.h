@@ -23,7 +23,7 @@ typedef struct source_properties {
     gchar *format; /* a fourcc; "": as it is set */
     gboolean ae, awb;
     picture_properties picture;
-    camera_settings camera; /* but for the picture */
+    camera_settings camera; /* except for the picture */
 } source_properties;
 
 void source_properties_install(GObjectClass *klass);

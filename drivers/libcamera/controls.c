@@ -8,7 +8,7 @@
 #include "refuse.h"
 
 #define WEBCAM_STEP_S 1e-4 /* UVC: the exposure is in units of 100 us */
-#define STEP_S        1e-6 /* ExposureTime is in microseconds; by which lines it is rounded the metadata say */
+#define STEP_S        1e-6 /* ExposureTime is in microseconds; the metadata has it rounded to lines */
 #define GAIN_CODES    1024 /* a scale for gains that are plain numbers: finer than sensors' */
 /* From a request that is queued to the first frame with its setting, on pipelines that apply a request's controls when
  * it is its turn: the requests before it, and the sensor's own delay of 2 to 3 frames. */
@@ -26,7 +26,7 @@ static double positive(double x)
 
 /* ---- the table of pupil/camera_controls.h ---- */
 
-/* As the camera can have it, where that is known. */
+/* The nearest that the camera can have, as far as that is known. */
 static double exposure_of(const libcamera_controls *c, double s)
 {
     const double within = fmin(fmax(s, c->can.exposure_s.least), c->can.exposure_s.most);
@@ -214,7 +214,7 @@ static void choose_frame(const libcamera_controls *c, pupil_libcamera_ask *a)
     }
 }
 
-/* It is queued now. Frames that say nothing are taken to have it after the usual delay, or the one that was learned. */
+/* It is queued now. Frames that report nothing are assumed to have it after the usual delay, or the learned one. */
 static void take(libcamera_controls *c, const pupil_libcamera_ask *a)
 {
     const uint64_t *const after = c->pending_is ? &c->pending_after : NULL;
@@ -234,7 +234,7 @@ pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c)
 {
     pupil_libcamera_ask a = {0};
     pthread_mutex_lock(&c->lock);
-    if (c->takes_over) { /* alone: some pipelines refuse an exposure time until it is done */
+    if (c->takes_over) { /* alone: some pipelines refuse an exposure time until that is done */
         a.automatic = -1;
         choose_frame(c, &a);
         c->takes_over = 0;
@@ -258,7 +258,7 @@ void libcamera_controls_refused(libcamera_controls *c, const pupil_libcamera_ask
     if (a->exposure_s > 0.0 || a->gain > 0.0) {
         c->status.failed++;
         c->status.error = ECANCELED;
-        if (!c->told) { /* it has what it had */
+        if (!c->told) { /* the camera has the setting from before */
             pupil_camera_history_take(&c->exposures, &c->time, &c->status.exposure_s, c->before.exposure_s, NULL);
             pupil_camera_history_take(&c->gains, &c->time, &c->status.gain, c->before.gain, NULL);
         }

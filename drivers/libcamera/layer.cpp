@@ -154,7 +154,7 @@ pupil_libcamera_range range_of(const lc::ControlInfo &info, double unit)
 
 // ---- the camera ----
 
-// One for the process, as libcamera demands, as long as anybody needs it.
+// One for the process, as libcamera demands, as long as it is needed.
 std::shared_ptr<lc::CameraManager> manager(pupil_why *why)
 {
     static std::mutex lock;
@@ -163,7 +163,7 @@ std::shared_ptr<lc::CameraManager> manager(pupil_why *why)
     std::shared_ptr<lc::CameraManager> m = only.lock();
     if (m)
         return m;
-    if (!std::getenv("LIBCAMERA_LOG_LEVELS")) // what fails is said in a sentence
+    if (!std::getenv("LIBCAMERA_LOG_LEVELS")) // failures are reported as sentences
         lc::logSetTarget(lc::LoggingTargetNone);
     m = std::shared_ptr<lc::CameraManager>(new lc::CameraManager, [](lc::CameraManager *gone) {
         gone->stop();
@@ -307,7 +307,7 @@ int Device::offers(pupil_live_offers *offers, pupil_libcamera_can *can) const
         c->least = number_of(info.min());
         c->most = number_of(info.max());
         c->usual = number_of(info.def());
-        c->value = static_cast<double>(NAN); // libcamera does not say what it is now
+        c->value = static_cast<double>(NAN); // libcamera does not report its present value
         c->automatic = n == lc::controls::AeEnable.id() && c->usual > 0.0;
         if (n == lc::controls::AnalogueGain.id())
             offers->gain_place = offers->controls;
@@ -326,7 +326,7 @@ int Device::offers(pupil_live_offers *offers, pupil_libcamera_can *can) const
 
 // ---- the stream ----
 
-// Into config_; false: this role has nothing of what is wanted.
+// Into config_; false: this role has nothing that is wanted.
 bool Device::choose(lc::StreamRole role, const pupil_libcamera_wanted *wanted)
 {
     config_ = camera_->generateConfiguration({role});
@@ -474,7 +474,8 @@ void Device::stop()
         camera_->stop();
 }
 
-// Before the CPU reads a dma-buf that a device has written, and after it. What does not need it says so.
+// Before the CPU reads a dma-buf that a device has written, and after it. Memory that does not need it returns an
+// error.
 void Device::sync(uint32_t index, uint64_t flags)
 {
     const pupil_libcamera_buffer &b = buffers[index];

@@ -3,8 +3,8 @@
  *
  *     open -> configure -> start -> queue, queue, ... -> wait -> (use the frame) -> queue -> ... -> stop -> close
  *
- * A request is a buffer's, and has its number. Each one that was queued comes back from `wait` once: with a frame, or
- * cancelled. That is libcamera's promise; what does not keep it is the source's business.
+ * A request belongs to a buffer, and has its number. Each one that was queued comes back from `wait` once: with a
+ * frame, or cancelled. That is libcamera's promise; the source handles requests that break it.
  */
 #ifndef PUPIL_DRIVERS_LIBCAMERA_LAYER_H
 #define PUPIL_DRIVERS_LIBCAMERA_LAYER_H
@@ -90,15 +90,15 @@ typedef struct pupil_libcamera_layer {
     /* NULL and a sentence. */
     void *(*open)(void *context, const char *id, pupil_why *why);
     void (*close)(void *camera);
-    /* Its name, controls and modes, into an empty one (modes are the caller's to free), and what it can. Either may be
-     * NULL. 0, or -1: no memory. */
+    /* Fills an empty `offers` with the camera's name, controls and modes (freed by the caller), and `can`. Either may
+     * be NULL. 0, or -1: no memory. */
     int (*offers)(void *camera, pupil_live_offers *offers, pupil_libcamera_can *can);
     /* Takes the camera for this process, and makes its buffers. 0, or -1 and a sentence. */
     int (*configure)(void *camera, const pupil_libcamera_wanted *wanted, pupil_libcamera_stream *stream,
                      pupil_why *why);
     const pupil_libcamera_buffer *(*buffer)(void *camera, uint32_t index);
     int (*start)(void *camera, pupil_why *why);
-    /* All requests that are still out are forgotten: none of them comes back. */
+    /* All requests that are still out are dropped: none of them comes back. */
     void (*stop)(void *camera);
     /* 0, or -1: the camera is not there to take it. */
     int (*queue)(void *camera, uint32_t index, const pupil_libcamera_ask *ask);

@@ -3,17 +3,17 @@
  * ID is what `cam --list` and `pupil list` print, or a part of it or of the model's name that only one camera has, or
  * the number of the camera from 0, or empty: the first one.
  *
- * Raw frames where the camera has them: pupil is then meter, exposure and picture. Else processed ones. The exposure of
- * libcamera is turned off by the first request, and exposure, gain and frame duration are asked for in one request.
- * What is in force in a frame is what its metadata says. A camera whose frames do not say it (webcams) is treated as
- * V4L2's are: what was taken when, and what frames show of the delay.
+ * Frames are raw if the camera has such: pupil then does metering, exposure and picture. Else they are processed. The
+ * exposure of libcamera is turned off by the first request, and exposure, gain and frame duration are asked for in one
+ * request. What is in force in a frame is what its metadata says. A camera whose frames do not report it (webcams) is
+ * treated as V4L2's are: by what was taken when, and what frames show of the delay.
  *
  * A request that is cancelled because its setting was refused brings no frame: it is queued again without the setting,
  * counted, and the refusal is in pupil_camera_status, so that camera_loop.h asks again. Requests that do not come back
  * are lost; where too few are left, the stream is started again. No frame in time is an error with a sentence.
  *
- * Webcams: V4L2 is better ("v4l2:..."). libcamera's gain of a webcam is an invented scale, so that here the exposure
- * alone is controlled; live.remark says so.
+ * Webcams: V4L2 is better ("v4l2:..."). libcamera's gain of a webcam is an invented scale, so only the exposure is
+ * controlled here; live.remark says so.
  *
  * Giving back: libcamera's exposure is turned on again, where it has the controls for that. A webcam's own controls
  * keep their values when a program ends; so they are noted at its V4L2 node when it is opened, and put back at the end.
@@ -36,7 +36,7 @@ typedef struct pupil_libcamera_options {
     uint32_t fourcc, width, height;     /* 0: the camera's choice */
     double fps;                         /* 0: the camera's choice */
     uint32_t buffers;                   /* 2..32; 0: 4. Few: a setting waits for the requests before it */
-    double timeout_s;                   /* without a frame for so long, the stream has failed; 0: 5 */
+    double timeout_s;                   /* after so long without a frame the stream has failed; 0: 5 */
     double reopen_s;                    /* how long a camera that is gone is waited for; 0: that is an error */
     int late;                           /* a pupil_live_late */
     int monotonic;                      /* 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */

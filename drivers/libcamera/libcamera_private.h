@@ -53,9 +53,9 @@ typedef struct libcamera_controls {
     pupil_camera_setting before; /* what was taken before `pending`, or what was queued last */
     pupil_camera_status status;
     camera_timeline time;
-    camera_history exposures, gains; /* of cameras whose frames do not say it */
-    uint32_t told;                   /* frames say it */
-    uint64_t told_sequence;          /* the last one, and what it said */
+    camera_history exposures, gains; /* of cameras whose frames do not report it */
+    uint32_t told;                   /* frames report it */
+    uint64_t told_sequence;          /* the last one, and what it reported */
     double told_exposure_s, told_gain;
     libcamera_node node;
 } libcamera_controls;
@@ -70,7 +70,7 @@ pupil_libcamera_ask libcamera_controls_next(libcamera_controls *c);
 void libcamera_controls_refused(libcamera_controls *c, const pupil_libcamera_ask *ask);
 /* A frame's metadata, before in_force is asked. 0: it has none. */
 void libcamera_controls_told(libcamera_controls *c, uint64_t sequence, double exposure_s, double gain);
-/* The stream was started again: all is asked for once more, first of all that exposure is ours. */
+/* The stream was started again: everything is asked for once more, manual exposure first. */
 void libcamera_controls_restart(libcamera_controls *c);
 
 /* ---- source.c, requests.c ---- */

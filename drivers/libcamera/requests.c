@@ -1,5 +1,5 @@
-/* The requests of a stream of libcamera's: queued with what is asked for, and what is done where they are cancelled or
- * do not come back. */
+/* The requests of a libcamera stream: how they are queued with the wanted setting, and what is done if they are
+ * cancelled or do not come back. */
 #include <string.h>
 #include <time.h>
 
@@ -8,7 +8,7 @@
 
 #define USUAL_TIMEOUT_S 5.0
 #define WAIT_MS         100 /* in which options.stop is asked once */
-#define LOST_AFTER      16  /* requests that were queued later and came back: then one is lost */
+#define LOST_AFTER      16  /* so many that were queued later came back: then a request is lost */
 #define LEAST_ALIVE     2   /* requests: with fewer the stream would stall */
 #define MANY_CANCELLED  16  /* without a frame between them: then they are not queued again at once */
 #define MOST_CANCELLED  64  /* without one: then none is expected any more */
@@ -48,7 +48,7 @@ void libcamera_queue(libcamera_source *s, uint32_t index, int asks)
     libcamera_request *r = &s->request[index];
     r->ask = (pupil_libcamera_ask){0};
     if (asks && s->controls) {
-        libcamera_mark(s); /* the frame's use took its time */
+        libcamera_mark(s); /* using the frame took time */
         r->ask = libcamera_controls_next(s->controls);
     } else if (asks && s->wants_rate) {
         r->ask.frame_least_s = r->ask.frame_most_s = 1.0 / s->options.fps;
@@ -70,7 +70,7 @@ int libcamera_start(libcamera_source *s, pupil_why *why)
     return 0;
 }
 
-/* Stopping gives all requests back, those that were lost, too. */
+/* Stopping gives all requests back, also lost ones. */
 static int restart(libcamera_source *s, pupil_why *why)
 {
     s->layer->stop(s->camera);

@@ -108,7 +108,7 @@ static void describe(libcamera_source *s, const pupil_libcamera_done *done, pupi
     frame->info.sequence = s->sequence;
 }
 
-/* uvcvideo stamps when a frame begins to be exposed. Of others libcamera does not say it: when it was there. */
+/* uvcvideo stamps the start of a frame's exposure. For others libcamera does not say: the end is assumed. */
 static uint32_t stamp_of(const libcamera_source *s)
 {
     return libcamera_is_webcam(s->id) ? PUPIL_LIVE_STAMP_START_OF_EXPOSURE : PUPIL_LIVE_STAMP_END_OF_FRAME;
@@ -244,7 +244,7 @@ static int open_camera(libcamera_source *s, pupil_why *why)
     return libcamera_start(s, why);
 }
 
-/* PUPIL_SOURCE_FRAME: it runs again; else what ended it, and a sentence of `why` that has one already. */
+/* PUPIL_SOURCE_FRAME: it runs again; else what ended it. Adds to the sentence in `why`. */
 static int reopen(libcamera_source *s, int64_t end_ns, pupil_why *why)
 {
     pupil_why unused;
@@ -302,7 +302,7 @@ static void source_done(pupil_source *source, pupil_frame *frame)
     take_back(of(source));
 }
 
-/* A webcam whose node was not found: its automatic exposure at least. It is waited for that this was done. */
+/* For a webcam whose node was not found: turns on at least its automatic exposure, and waits until this is done. */
 static void turn_on_again(libcamera_source *s)
 {
     const pupil_libcamera_ask automatic = {.automatic = 1};

@@ -30,8 +30,8 @@ static void found(void *closure, const char *id, const char *model)
     snprintf(to->model, sizeof to->model, "%s", model);
 }
 
-/* The one camera that `which` calls, and how many there are that it may call. A whole id comes before a whole model,
- * and that before a part of either: imx708 is not imx708_wide. */
+/* The one camera that `which` means, and how many it may mean. A whole id comes before a whole model, and that before a
+ * part of either: imx708 is not imx708_wide. */
 static size_t fits(const all *a, const char *which, const one **only)
 {
     char *end = NULL;

@@ -3,7 +3,7 @@
 
 #include "refuse.h"
 
-/* Where it is another setting than the last one, or the sensor loop has it written again. */
+/* Asks for a setting that is not the last one, or that the sensor loop wants written again. */
 static void ask(pupil_camera_loop *loop, uint32_t again)
 {
     const pupil_camera_setting wanted = {.exposure_s = loop->setting.exposure_s, .gain = loop->setting.gain};
@@ -36,9 +36,9 @@ static int retune_sensor(pupil_camera_loop *loop)
     return pupil_sensor_retune(&loop->sensor, &config);
 }
 
-/* While a write takes longer than a frame, nobody knows what frames were taken with: `slow`, they are not measured.
- * While settings are refused, frames do not answer to them, and the sensor would ask for more and more: it is locked.
- * Both last until the first frame with the new values has passed, for the believed delay may be wrong by one. */
+/* While a write takes longer than a frame, it is not known what frames were taken with: `slow`, they are not measured.
+ * While settings are refused, frames do not respond to them, and the sensor would ask for more and more: it is locked.
+ * Both last until the first frame with the new values has passed, because the assumed delay may be wrong by one. */
 static void judge_writes(pupil_camera_loop *loop, const pupil_frame_info *info)
 {
     const uint32_t was_locked = loop->locked;
@@ -117,7 +117,7 @@ int pupil_camera_loop_frame(pupil_camera_loop *loop, const pupil_stats *stats, c
         changed = loop->setting.changed && !error;
         pupil_camera_learn(loop->camera, loop->setting.exposure_delay, loop->setting.gain_delay);
     }
-    if ((loop->slow || loop->locked) && !loop->config.lock) { /* the last step has not had its time */
+    if ((loop->slow || loop->locked) && !loop->config.lock) { /* the last step has not acted yet */
         loop->setting.state = PUPIL_SENSOR_SEARCHING;
         loop->setting.reason = PUPIL_SENSOR_WAITING;
     }
@@ -142,7 +142,7 @@ int pupil_camera_loop_follow(pupil_camera_loop *loop, double total_s)
     const int error = pupil_sensor_start(&loop->sensor, total_s, 1.0);
     if (error)
         return error;
-    const double frame_digital = loop->setting.frame_digital; /* of the frame that was given last, still */
+    const double frame_digital = loop->setting.frame_digital; /* still of the last frame */
     pupil_sensor_get(&loop->sensor, &loop->setting);
     loop->setting.frame_digital = frame_digital;
     ask(loop, 0);

@@ -10,7 +10,7 @@
 #include "refuse.h"
 #include "v4l2/media/media.h"
 
-/* The capture closes its own file whenever the camera stops, and a write may then still be on its way. */
+/* The capture closes its own file whenever the camera stops, and a write may then still be in progress. */
 typedef struct live_files {
     pupil_v4l2_device device;
     int subdevice_fd; /* -1: none */

@@ -101,7 +101,7 @@ void live_change_end(live_change *c)
     const pthread_t thread = c->thread;
     const int hangs = !c->done;
     c->abandoned = hangs;
-    if (hangs) /* under the lock: from its end on all of it is the thread's */
+    if (hangs) /* under the lock: after it all of this is the thread's */
         pthread_detach(thread);
     pthread_mutex_unlock(&c->lock);
     if (hangs)

@@ -1,4 +1,4 @@
-/* Live cameras of any kind: which one a name calls, and what their tables have. */
+/* Live cameras of any kind: which one a name means, and the calls of their tables. */
 #include "live.h"
 
 #include <string.h>
@@ -42,7 +42,7 @@ int pupil_live_is_camera(const char *name)
            starts_with(name, "/dev/v4l/");
 }
 
-/* What is asked of any source goes before what is asked of a camera. */
+/* Options of any source take precedence over those of a camera. */
 static void merge(pupil_live_options *to, const pupil_source_options *options)
 {
     pupil_v4l2_options *capture = &to->capture;
@@ -122,7 +122,7 @@ int pupil_live_cameras(const pupil_live_system *system, int with_modes, pupil_li
         return -1;
     pupil_why words;
     if (!w.ended && pupil_libcamera_cameras(libcamera_of(system), seen, closure, &words))
-        seen(closure, NULL, NULL, words.text); /* V4L2's are there all the same */
+        seen(closure, NULL, NULL, words.text); /* V4L2's are listed nevertheless */
     return 0;
 }
 

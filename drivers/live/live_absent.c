@@ -9,7 +9,7 @@ int live_v4l2_open(const char *which, const pupil_live_options *options, pupil_s
     return PUPIL_SOURCE_FAILED;
 }
 
-/* Nobody has a source to ask with. */
+/* Never called: there are no such sources. */
 const pupil_v4l2_capture *pupil_live_capture(const pupil_source *source)
 {
     (void)source;

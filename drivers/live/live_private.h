@@ -24,7 +24,8 @@ typedef struct live_change live_change;
 live_change *live_change_start(pupil_camera *old, const live_which *which);
 /* 1: done and freed, with the new controls or (NULL) why there are none; 0: not yet. */
 int live_change_done(live_change **change, pupil_camera **camera, pupil_why *why);
-/* Waits for two seconds at most and closes what it has opened; or it does so by itself, later. NULL is allowed. */
+/* Waits for the thread, two seconds at most, and closes what it has opened; else the thread does so later. NULL is
+ * allowed. */
 void live_change_end(live_change *change);
 
 typedef struct live_source {
@@ -52,10 +53,10 @@ typedef struct live_source {
     int told;                   /* the camera knows that the stream has started */
 } live_source;
 
-/* Opens the camera again, waiting for it until end_ns; `tries` of it have failed already. PUPIL_SOURCE_FRAME: it runs;
- * PUPIL_SOURCE_END: options.stop; PUPIL_SOURCE_FAILED: it did not come. */
+/* Opens the camera again, waiting for it until end_ns; `tries` attempts have failed already. PUPIL_SOURCE_FRAME: it
+ * runs; PUPIL_SOURCE_END: options.stop; PUPIL_SOURCE_FAILED: it did not come. */
 int live_reopen(live_source *s, int64_t end_ns, int tries, pupil_why *why);
-/* After a frame: the controls of a camera that was opened again, some frames later: frames do not wait for them. */
+/* After a frame: opens the controls of a camera that was opened again. Frames do not wait for them. */
 void live_follow_controls(live_source *s);
 /* Which node the controls are to be opened on: that of the capture. */
 void live_name_controls(live_source *s);

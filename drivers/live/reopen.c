@@ -24,7 +24,7 @@ static int try_again(live_source *s, pupil_why *why)
     const pupil_v4l2_system *system = s->capture.device.system;
     const pupil_live_counts counts = s->capture.counts;
     pupil_why unused;
-    *s->label = 0; /* where it is found now */
+    *s->label = 0; /* becomes the path where it is found now */
     pupil_v4l2_devices(system, is_same, s, &unused);
     const int error = pupil_v4l2_capture_open(&s->capture, *s->label ? s->label : s->which, &s->options.capture, why);
     s->capture.device.system = system;

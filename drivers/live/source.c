@@ -52,7 +52,7 @@ static void describe(live_source *s, pupil_frame *frame)
     frame->name = s->label;
 }
 
-/* A decoder where frames are compressed, for the size that they have now. */
+/* A decoder if frames are compressed, for their present size. */
 static int ready_decoder(live_source *s, pupil_why *why)
 {
     const pupil_v4l2_format *f = &s->capture.format;
@@ -128,8 +128,8 @@ static int next_whole(live_source *s, pupil_frame *frame, pupil_why *why)
     }
 }
 
-/* From what the driver's numbers and stamps say, for a camera's rate may follow the light. `sequence` and `stamp_ns`
- * are of the frame before; numbers rise. */
+/* From the driver's numbers and stamps, because a camera's rate may follow the light. `sequence` and `stamp_ns` are of
+ * the frame before; numbers rise. */
 static void measure_period(live_source *s, uint64_t sequence, int64_t stamp_ns)
 {
     const double passed_ns = (double)(s->stamp_ns - stamp_ns);
@@ -151,7 +151,7 @@ static void mark(pupil_source *source)
                        0);
 }
 
-/* What its users see of it. */
+/* Updates what users of the source see. */
 static void show(live_source *s)
 {
     s->live.counts = s->capture.counts;

@@ -118,7 +118,7 @@ static const char *set_knees(pupil_colour_options *c, const char *text)
     return NULL;
 }
 
-/* What would be right; NULL: it is. */
+/* Returns what would be right; NULL: the value is. */
 static const char *set(pupil_raw_layout *l, const char *key, const char *value)
 {
     uint64_t bits;

@@ -94,7 +94,7 @@ static int read_frame(raw_source *r, pupil_why *why)
     return 0;
 }
 
-/* Balanced by itself where it is the first of a file, for a still has no other. */
+/* The first frame of a file is balanced by itself, because a still has no other. */
 static int colour_frame(raw_source *r, pupil_frame *frame, pupil_why *why)
 {
     if (!r->has_colour) {

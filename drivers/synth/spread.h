@@ -6,11 +6,11 @@
 
 typedef struct pupil_spread {
     unsigned threads;  /* the caller among them; 0: one for each processor */
-    int (*stop)(void); /* where it says so, the jobs not yet begun are left out; may be NULL */
+    int (*stop)(void); /* nonzero: the jobs not yet begun are left out; may be NULL */
 } pupil_spread;
 
 /* Runs job(context, i) for each i below count, in any order, and returns when all are done. `spread` is a pupil_spread.
- * Where the system gives no more threads, fewer do the same. */
+ * If the system gives fewer threads, these do all jobs. */
 void pupil_spread_run(void *spread, void (*job)(void *context, size_t i), void *context, size_t count);
 
 #endif

@@ -146,7 +146,7 @@ int pupil_v4l2_devices(const pupil_v4l2_system *system, pupil_v4l2_seen *seen, v
 
 typedef struct search {
     const char *name;
-    char path[2][32]; /* of what has it whole, and in part */
+    char path[2][32]; /* of the node with this whole name, and of one with a part of it */
     char names[512];  /* of all that were seen */
     unsigned matches[2];
 } search;

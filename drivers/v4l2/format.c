@@ -12,7 +12,7 @@ typedef struct native {
     uint8_t pixel, bayer, buffers, cr_first;
 } native;
 
-/* Kernels older than a format's name have its number all the same. */
+/* Formats by their numbers, because headers of older kernels lack some names. */
 #define FOUR(a, b, c, d) v4l2_fourcc(a, b, c, d)
 
 static const native natives[] = {
@@ -74,8 +74,8 @@ static const native natives[] = {
 };
 
 #define LEAST_JPEG_BYTES 4 /* its first and its last marker */
-/* What a driver may say that a frame's memory has: buffers of that size may be this program's to allocate. The widest
- * format read has 8 bytes a pixel; rows may be padded, and JPEGs of tiny frames have tables. */
+/* Upper bound of a frame's memory as the driver reports it: this program may have to allocate buffers of that size. The
+ * widest format read has 8 bytes a pixel; rows may be padded, and JPEGs of tiny frames have tables. */
 #define MOST_PIXEL_BYTES 64
 #define MOST_MORE_BYTES  (16u << 20)
 
@@ -262,8 +262,8 @@ static int read_jpeg_layout(pupil_v4l2_format *f, pupil_why *why)
     return 0;
 }
 
-/* What the driver does not say of its strides: some of tightly packed frames leave them empty. In one area chroma has
- * the stride of data, or each of two planes half of it ("Image Formats", Planar YUV Formats). */
+/* Fills in strides that the driver leaves empty, as some do for tightly packed frames. In one area chroma has the
+ * stride of data, or each of two planes half of it ("Image Formats", Planar YUV Formats). */
 static void complete_strides(pupil_v4l2_format *f)
 {
     const uint32_t planes = pupil_pixel_planes(f->pixel), one_area = f->buffers == 1;

@@ -3,11 +3,11 @@
  * Sources: the kernel's documentation of V4L2, "Image Formats" and "Colorspaces"; the defaults are those of
  * V4L2_MAP_COLORSPACE_DEFAULT and its sisters in <linux/videodev2.h>. Two liberties, both about grey: its range is full
  * and its light linear unless the driver names another quantization or transfer function. The defaults, limited and
- * sRGB, are those of a picture's luma, and drivers of sensors leave the fields empty. And one about JPEG: it is as JFIF
- * has it (BT.601 of full range) unless the driver names another; what is said of its colour space is not asked.
+ * sRGB, are those of a picture's luma, and drivers of sensors leave the fields empty. And one about JPEG: it is as in
+ * JFIF (BT.601 of full range) unless the driver names another; its colour space is ignored.
  *
  * V4L2_XFER_FUNC_SMPTE2084 is PUPIL_LIGHT_PQ. V4L2 has no number for HLG: a driver that captures it names another
- * function, and the light is that one's. */
+ * function, which is then used. */
 #ifndef PUPIL_DRIVERS_V4L2_FORMAT_H
 #define PUPIL_DRIVERS_V4L2_FORMAT_H
 
@@ -25,7 +25,7 @@ struct v4l2_format; /* <linux/videodev2.h> */
 /* What a frame looks like in its buffer, or, with NM12, YM12 and their like, in its two or three. */
 typedef struct pupil_v4l2_format {
     uint32_t fourcc;
-    uint32_t pixel;                               /* a pupil_pixel; of a JPEG NONE: which one is known of each frame */
+    uint32_t pixel;                               /* a pupil_pixel; of a JPEG NONE: each frame has its own */
     uint32_t compressed;                          /* 1: frames are JPEGs, of any number of bytes */
     uint32_t width, height;                       /* pixels */
     uint32_t buffers;                             /* memory areas of a frame */

@@ -7,7 +7,7 @@
 
 #include "format.h"
 
-/* Enumerations end by themselves; a driver whose don't is believed no longer. */
+/* Enumerations end by themselves; this is a limit for drivers whose do not. */
 #define MOST_MODES 128u
 #define MOST_SIZES 256u
 

@@ -85,7 +85,7 @@ static int make_window(pupil_window *window, const pupil_window_options *options
         return pupil_refuse(
             why, "no window with OpenGL ES (SDL: %s). On Debian: apt-get install libegl1 libgles2 libgl1-mesa-dri",
             SDL_GetError());
-    /* Where the screen counts in units of several pixels, so many fewer of them. */
+    /* If the screen counts in units of several pixels, the window has that many fewer of them. */
     SDL_GL_GetDrawableSize(window->window, &drawn_w, &drawn_h);
     if (!options->fullscreen && drawn_w > w) {
         fit((uint32_t)((int64_t)options->width * w / drawn_w), (uint32_t)((int64_t)options->height * h / drawn_h), &w,
@@ -191,7 +191,7 @@ static int key(SDL_Keycode sym)
         return PUPIL_WINDOW_TAB;
     case SDLK_F11:
         return PUPIL_WINDOW_F11;
-    default: /* what can be printed comes as text, with the shift key and the keyboard's layout seen to */
+    default: /* printable keys come as text, in which shift and the keyboard's layout are respected */
         return PUPIL_WINDOW_OTHER;
     }
 }

@@ -17,8 +17,8 @@ typedef struct pupil_window pupil_window;
 
 typedef struct pupil_window_options {
     const char *title;
-    uint32_t width, height; /* of the picture, pixels: the window is made so large, or smaller with the same shape where
-                             * the screen is */
+    uint32_t width, height; /* of the picture, pixels: the window has this size, or a smaller one of the same shape if
+                             * the screen is smaller */
     int fullscreen;
     int debug;        /* a debug context */
     uint32_t version; /* a pupil_gles_version: at least this one; 0: 3.1, or else 3.0 */
@@ -30,7 +30,7 @@ void pupil_window_close(pupil_window *window);
 
 pupil_gles_function pupil_window_get_proc(const char *name);
 
-/* Of what can be drawn to, in pixels; may change whenever poll was called. */
+/* The drawable area in pixels; may change whenever poll was called. */
 void pupil_window_size(const pupil_window *window, uint32_t *width, uint32_t *height);
 
 /* Keys other than the printable ones, which are their ASCII codes (letters as typed: 'A' with shift). */

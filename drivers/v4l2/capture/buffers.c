@@ -98,7 +98,7 @@ static void *allocate(size_t bytes)
 {
     void *memory = aligned_alloc(PAGE_BYTES, in_pages(bytes));
     if (memory)
-        memset(memory, 0, in_pages(bytes)); /* so that the pages are there */
+        memset(memory, 0, in_pages(bytes)); /* so that the pages are allocated */
     else
         errno = ENOMEM;
     return memory;
@@ -207,7 +207,7 @@ static int make_copied(pupil_v4l2_capture *c)
 
 /* --- which kind --- */
 
-/* The driver's own where the CPU reads it fast; else what is the next best, of all that there is. */
+/* The driver's own if the CPU reads it fast; else the next best kind that there is. */
 static int make_fast(pupil_v4l2_capture *c)
 {
     if (make_mapped(c, 0) != 0)
@@ -328,7 +328,7 @@ void pupil_v4l2_buffer_unread(pupil_v4l2_capture *c, uint32_t index)
     pupil_v4l2_buffer *b = &c->buffer[index];
     for (uint32_t k = 0; k < PUPIL_V4L2_MOST_AREAS; k++)
         if (b->read >> k & 1)
-            pupil_v4l2_sync(c->device.system, b->dmabuf[k], 0); /* only writing could be lost by it */
+            pupil_v4l2_sync(c->device.system, b->dmabuf[k], 0); /* an error could lose only writes */
     b->read = 0;
 }
 

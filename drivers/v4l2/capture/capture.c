@@ -12,7 +12,7 @@
 #define DEFAULT_TIMEOUT_S 5.0                  /* webcams take up to three seconds to their first frame */
 #define SLICE_MS          100                  /* between two questions to options.stop */
 #define MOST_EVENTS       64                   /* taken in one call */
-#define AHEAD_NS          INT64_C(1000000000)  /* what a stamp may be off; uvcvideo's are by some milliseconds */
+#define AHEAD_NS          INT64_C(1000000000)  /* how far ahead a stamp may be; uvcvideo's are by milliseconds */
 #define BEHIND_NS         INT64_C(60000000000) /* no queue of frames is as old */
 
 static int64_t now_ns(const pupil_v4l2_capture *c)
@@ -50,7 +50,7 @@ static int start(pupil_v4l2_capture *c, pupil_why *why)
 {
     int type = (int)c->device.type, input = 0;
     if (pupil_v4l2_ask(&c->device, VIDIOC_G_INPUT, &input) != 0)
-        input = 0; /* it has one alone */
+        input = 0; /* it has only one */
     subscribe(c, V4L2_EVENT_SOURCE_CHANGE, input);
     subscribe(c, V4L2_EVENT_EOS, 0);
     if (pupil_v4l2_ask(&c->device, VIDIOC_STREAMON, &type) == 0) {
@@ -152,7 +152,7 @@ static int is_of_our_clock(int64_t stamp_ns, int64_t taken_ns)
     return stamp_ns > 0 && stamp_ns <= taken_ns + AHEAD_NS && stamp_ns >= taken_ns - BEHIND_NS;
 }
 
-/* 0, which is of no clock: what a driver says is no time. */
+/* 0, which is no clock's, if the driver's value is not a time. */
 static int64_t nanoseconds_of(const struct v4l2_buffer *b)
 {
     int64_t whole_ns, part_ns, ns;
@@ -307,7 +307,7 @@ static int judge(pupil_v4l2_capture *c, const done_buffer *d, pupil_v4l2_frame *
     return error ? error : last ? PUPIL_V4L2_END : -EAGAIN;
 }
 
-/* Puts the newest of what is ready in the place of *d. An error is left for the next call to find. */
+/* Replaces *d by the newest that is ready. An error is left for the next call to find. */
 static void skip_to_newest(pupil_v4l2_capture *c, done_buffer *d, pupil_v4l2_frame *frame)
 {
     pupil_why unused;

@@ -39,14 +39,14 @@ typedef enum pupil_v4l2_reading {
     PUPIL_V4L2_READS_COUNT
 } pupil_v4l2_reading;
 
-/* What can be asked of a camera. All zero: as it is set, the kernel's, errors where it stops. */
+/* What can be asked of a camera. All zero: as it is set, on the kernel, an error if it stops. */
 typedef struct pupil_v4l2_options {
     const pupil_v4l2_system *system; /* NULL: the kernel */
     uint32_t fourcc;                 /* 0: what is set, if it is read natively, else the first that is; else JPEGs */
     uint32_t width, height;          /* 0: what is set */
     double fps;                      /* 0: what is set. A camera whose driver has no rate to set runs at its own */
     uint32_t buffers;                /* 2..32; 0: 4 */
-    double timeout_s;                /* without a frame for so long, the stream has failed; 0: 5 */
+    double timeout_s;                /* after so long without a frame the stream has failed; 0: 5 */
     double reopen_s;                 /* pupil_live only: how long an unplugged camera is waited for, and one whose
                                       * stream stopped or changed is opened again; 0: that is an error */
     int late;                        /* a pupil_live_late */
@@ -63,8 +63,8 @@ typedef struct pupil_v4l2_options {
 typedef struct pupil_v4l2_buffer {
     void *memory[PUPIL_V4L2_MOST_AREAS];
     size_t bytes[PUPIL_V4L2_MOST_AREAS];
-    int dmabuf[PUPIL_V4L2_MOST_AREAS];  /* a file descriptor of each area: what it is, or (options.share) an export; -1:
-                                           none */
+    int dmabuf[PUPIL_V4L2_MOST_AREAS];  /* a file descriptor of each area: its memory, or (options.share) an export; -1:
+                                         * none */
     void *copy[PUPIL_V4L2_MOST_AREAS];  /* PUPIL_V4L2_READS_COPIED: of each area; NULL: none */
     size_t used[PUPIL_V4L2_MOST_AREAS]; /* bytes of the frame in each area */
     unsigned read;                      /* bit k: area k is between its two syncs */
@@ -92,10 +92,10 @@ typedef struct pupil_v4l2_capture {
 } pupil_v4l2_capture;
 
 typedef struct pupil_v4l2_frame {
-    pupil_image_const image; /* in the kernel's buffer, until done; of a JPEG without data: pupil_live decodes it */
+    pupil_image_const image; /* in the kernel's buffer, until done; a JPEG's has no data: pupil_live decodes it */
     const void *coded;       /* a JPEG as it came, in the kernel's buffer, until done; NULL: none */
     size_t coded_bytes;
-    int is_shared; /* dmabuf, but for its `stream`, is valid */
+    int is_shared; /* dmabuf, except for its `stream`, is valid */
     pupil_frame_dmabuf dmabuf;
     uint32_t index;                               /* of its buffer */
     uint32_t offset_bytes[PUPIL_V4L2_MOST_AREAS]; /* where its pixels begin in each area */
@@ -121,8 +121,8 @@ const char *pupil_v4l2_reading_name(uint32_t reading);
 /* 0, or PUPIL_V4L2_FAILED or _GONE and a sentence; then nothing is left open. */
 int pupil_v4l2_capture_open(pupil_v4l2_capture *capture, const char *which, const pupil_v4l2_options *options,
                             pupil_why *why);
-/* PUPIL_V4L2_FRAME, _END, or what is wrong and a sentence. Buffers that are still out are
- * missing to the driver: with all of them out, none comes. */
+/* PUPIL_V4L2_FRAME, _END, or what is wrong and a sentence. The driver lacks buffers that are still out: with all of
+ * them out, no frame comes. */
 int pupil_v4l2_capture_next(pupil_v4l2_capture *capture, pupil_v4l2_frame *frame, pupil_why *why);
 /* Back to the driver; twice is allowed. 0, or as next. */
 int pupil_v4l2_capture_done(pupil_v4l2_capture *capture, const pupil_v4l2_frame *frame, pupil_why *why);

@@ -24,8 +24,9 @@ static double speed_of(size_t bytes, int64_t ns)
     return (double)bytes * 1e9 / (double)(ns > 0 ? ns : 1);
 }
 
-/* The least of a few: the others were interrupted, or came before the caches had it. By turns, so that a processor that
- * changes its clock does it to both; small buffers more often, for they are over before the clock has moved far. */
+/* The smallest of a few times: the others were interrupted, or ran before the caches were warm. By turns, so that a
+ * processor's change of clock affects both; small buffers more often, for they are over before the clock has moved far.
+ */
 pupil_v4l2_speed pupil_v4l2_measure(const pupil_v4l2_system *system, const void *memory, size_t bytes)
 {
     pupil_v4l2_speed speed = {0};

@@ -7,8 +7,8 @@
 
 #include "v4l2/system.h"
 
-/* Memory that takes more than so many times as long to read as ordinary memory is slow. Between the two kinds there is
- * nothing: cached memory is within a factor of 2 of itself, uncached is 10 and more. */
+/* Memory that takes more than so many times as long to read as ordinary memory is slow. Nothing is in between: cached
+ * memory measures within a factor of 2, uncached at 10 and more. */
 #define PUPIL_V4L2_SLOW 3.0
 
 typedef struct pupil_v4l2_speed {

@@ -16,8 +16,8 @@ static uint32_t fourcc_of(const struct v4l2_format *f)
     return f->type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE ? f->fmt.pix_mp.pixelformat : f->fmt.pix.pixelformat;
 }
 
-/* What the camera's formats are, "YUYV, MJPG", or those of them that are read; the first that is natively, else the
- * first JPEG, which costs a decoder's time and its losses, or 0. */
+/* Lists the camera's formats, "YUYV, MJPG", or those of them that are read; returns the first that is read natively,
+ * else the first JPEG, which costs a decoder's time and its losses, or 0. */
 static uint32_t look_over(const pupil_v4l2_device *d, int all, char *names, size_t names_bytes)
 {
     uint32_t first = 0, first_jpeg = 0;
@@ -97,7 +97,7 @@ static int set_format(pupil_v4l2_capture *c, pupil_why *why)
         wanted.fmt.pix_mp.height = height;
         wanted.fmt.pix_mp.field = V4L2_FIELD_NONE;
         wanted.fmt.pix_mp.pixelformat = fourcc;
-        memset(wanted.fmt.pix_mp.plane_fmt, 0, sizeof wanted.fmt.pix_mp.plane_fmt); /* rows as the driver likes them */
+        memset(wanted.fmt.pix_mp.plane_fmt, 0, sizeof wanted.fmt.pix_mp.plane_fmt); /* rows as the driver chooses */
     } else {
         wanted.fmt.pix.width = width;
         wanted.fmt.pix.height = height;
@@ -124,7 +124,7 @@ static int set_format(pupil_v4l2_capture *c, pupil_why *why)
     return 0;
 }
 
-/* After the format: setting that may set the rate again. */
+/* After the format, because setting that may reset the rate. */
 static int set_rate(pupil_v4l2_capture *c, pupil_why *why)
 {
     struct v4l2_streamparm p = {.type = c->device.type};

@@ -65,8 +65,8 @@ int pupil_camera_set_control(const v4l2_camera *camera, int fd, uint32_t id, int
 /* "exposure time, absolute": what the driver's documentation calls the control. */
 const char *pupil_camera_control_name(uint32_t id);
 
-/* Turns off what steers by itself, after noting it; -1 and a sentence. Turns it off once more: 0, or the first error.
- * Puts everything back; the number that could not be, and the id of the first. */
+/* Notes what is automatic, and turns it off: 0, or -1 and a sentence. Turns it off once more: 0, or the first error.
+ * Puts everything back: how many could not be, and the id of the first. */
 int pupil_camera_take(v4l2_camera *camera, uint32_t mains_hz, pupil_why *why);
 int pupil_camera_turn_off_again(const v4l2_camera *camera);
 int pupil_camera_put_back(const v4l2_camera *camera, uint32_t *first);

@@ -1,4 +1,4 @@
-/* What was in force in a frame, and what frames teach about it. */
+/* What was in force in a frame, and what frames show about it. */
 #include "controls_private.h"
 
 void pupil_camera_v4l2_in_force(pupil_camera *of, uint64_t sequence, pupil_frame_info *info)

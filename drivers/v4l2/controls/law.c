@@ -41,8 +41,8 @@ static int64_t step_of(const pupil_camera_range *range)
     return range->step > 0 ? range->step : 1;
 }
 
-/* Every law rises, so the code is found by halving, regardless of the formula. A gain of 0 above the least code is one
- * that the law has left behind (a denominator of 0): too much. */
+/* Every law rises, so the code is found by bisection, regardless of the formula. A gain of 0 above the least code is
+ * beyond the law's range (a denominator of 0): too much. */
 int64_t pupil_camera_code_of_gain(const pupil_camera_gain *law, double gain, const pupil_camera_range *range)
 {
     int64_t low = 0, high = (range->most - range->least) / step_of(range);

@@ -58,7 +58,7 @@ static int find_exposure(v4l2_camera *camera, const pupil_camera_options *option
     camera->vblank.fd = camera->gain.fd = -1;
     int has = find(camera, V4L2_CID_EXPOSURE_ABSOLUTE, &camera->exposure, why);
     camera->unit_s = 1e-4; /* V4L2: "in 100 us units" */
-    if (has > 0) {         /* the line's time is then of the readout alone, which may stay unknown */
+    if (has > 0) {         /* then only the readout needs the line's time, which may stay unknown */
         pupil_why unused;
         (void)find_line(camera, options, &unused);
     }
@@ -82,7 +82,7 @@ static int find_exposure(v4l2_camera *camera, const pupil_camera_options *option
     return has < 0 ? -1 : 0;
 }
 
-/* The law of a control without a known one, and codes that have no gain: 0 of a law that is proportional. */
+/* Chooses the law of a control without a known one, and leaves out codes that have no gain: 0 of a proportional law. */
 static void settle_law(v4l2_camera *camera, const pupil_camera_gain *known)
 {
     pupil_camera_range *r = &camera->gain.range;
@@ -133,7 +133,7 @@ static int close_camera(pupil_camera *of, pupil_why *why)
 {
     v4l2_camera *camera = (v4l2_camera *)of;
     uint32_t first = 0;
-    if (pupil_camera_writer_stop(camera)) /* the object is the thread's now */
+    if (pupil_camera_writer_stop(camera)) /* the thread owns the object now */
         return 1;
     const int failed = pupil_camera_put_back(camera, &first);
     if (failed)

@@ -1,4 +1,4 @@
-/* sensors.txt. It is a text that is built in and parsed when it is asked. People can read it, correct it and pass one
+/* sensors.txt. It is a text that is built in and parsed for each look-up. People can read it, correct it and pass one
  * of their own to the same parser. A program that was installed needs no file next to it. */
 #include <ctype.h>
 #include <stdio.h>

@@ -105,7 +105,7 @@ static int note(v4l2_camera *camera, int fd, uint32_t id, pupil_why *why)
     return 0;
 }
 
-/* The entry of EXPOSURE_AUTO by which a program sets the time: the menu need not have each. */
+/* The entry of EXPOSURE_AUTO by which a program sets the time: the menu need not have all. */
 static int64_t manual_of(const v4l2_camera *camera, const camera_control *control)
 {
     static const uint32_t wanted[] = {V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY};
@@ -184,7 +184,7 @@ int pupil_camera_turn_off_again(const v4l2_camera *camera)
     return error;
 }
 
-/* 1: it has its value again. A camera may be busy for a moment, and this is the last one to ask. */
+/* 1: it has its value again. A camera may be busy for a moment, and nothing tries again after this. */
 static int put_one_back(const v4l2_camera *camera, int fd, uint32_t id, int64_t value)
 {
     for (int i = 0;; i++) {
@@ -192,7 +192,7 @@ static int put_one_back(const v4l2_camera *camera, int fd, uint32_t id, int64_t 
         const int error = pupil_camera_set_control(camera, fd, id, value);
         if (!error)
             return 1;
-        /* one that says it has its value already, but cannot be written in this mode, is as it was */
+        /* a control that has its value already, but cannot be written in this mode, is as it was */
         if (!pupil_camera_get_control(camera, fd, id, &found) && found == value)
             return 1;
         if (error == -ENODEV || i == PUT_BACK_AGAIN)

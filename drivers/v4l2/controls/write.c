@@ -1,4 +1,4 @@
-/* One write: what goes first, what goes together, what the driver made of it. */
+/* One write: what goes first, what goes together, what the driver took. */
 #include <math.h>
 
 #include "controls_private.h"

@@ -103,7 +103,7 @@ int pupil_camera_writer_stop(v4l2_camera *camera)
     const pthread_t thread = camera->thread;
     const int hangs = (int)camera->running;
     camera->abandoned = (uint32_t)hangs;
-    if (hangs) /* under the lock: from its end on the camera is the thread's */
+    if (hangs) /* under the lock: after it the thread owns the camera */
         pthread_detach(thread);
     pthread_mutex_unlock(&camera->lock);
     if (!hangs)
@@ -121,7 +121,7 @@ uint64_t pupil_camera_v4l2_ask(pupil_camera *of, const pupil_camera_setting *set
     v4l2_camera *camera = (v4l2_camera *)of;
     const pupil_camera_setting s = {positive(setting->exposure_s), positive(setting->gain), positive(setting->frame_s)};
     pthread_mutex_lock(&camera->lock);
-    /* what the latest ask leaves as it is, an earlier one that was not written yet may still have wanted */
+    /* an earlier ask that was not written yet may want a value that the latest leaves as it is */
     camera->pending.exposure_s = s.exposure_s > 0.0 ? s.exposure_s : camera->pending.exposure_s;
     camera->pending.gain = s.gain > 0.0 ? s.gain : camera->pending.gain;
     camera->pending.frame_s = s.frame_s > 0.0 ? s.frame_s : camera->pending.frame_s;

@@ -55,7 +55,7 @@ static int read_graph(graph *g, int fd)
     g->t.ptr_pads = (uintptr_t)g->pads;
     g->t.ptr_links = (uintptr_t)g->links;
     const struct media_v2_topology room = g->t;
-    /* Should it have grown in between, the kernel says ENOSPC, or more than there is room for. */
+    /* If it has grown in between, the kernel reports ENOSPC, or more than there is room for. */
     if (pupil_v4l2_ioctl(g->system, fd, MEDIA_IOC_G_TOPOLOGY, &g->t) != 0)
         return -1;
     return g->t.num_entities > room.num_entities || g->t.num_interfaces > room.num_interfaces ||
@@ -82,7 +82,7 @@ static const struct media_v2_pad *pad_of(const graph *g, uint32_t id)
 
 static int is_kind(const struct media_v2_link *link, uint32_t kind)
 {
-    return link->flags >> 28 == kind >> 28; /* as MEDIA_LNK_FL_LINK_TYPE, which shifts into a sign */
+    return link->flags >> 28 == kind >> 28; /* as MEDIA_LNK_FL_LINK_TYPE, which shifts into the sign bit */
 }
 
 /* The entity behind a video node. */
@@ -117,7 +117,7 @@ static int path_of_entity(const graph *g, uint32_t entity, char *path, size_t pa
     return -1;
 }
 
-/* The link that feeds an entity, with its pads; NULL: none. One that is enabled goes before one that is not. */
+/* The link that feeds an entity, with its pads; NULL: none. An enabled link takes precedence. */
 static const struct media_v2_link *feed_of(const graph *g, uint32_t entity, const struct media_v2_pad **source,
                                            const struct media_v2_pad **sink)
 {
@@ -280,8 +280,8 @@ static int mend_node(const graph *g, const struct media_v2_pad *source, const pu
     return 0;
 }
 
-/* Compares the ends of a link between two subdevices: the end that would take the other's format is to change, the
- * receiving one first. */
+/* Compares the ends of a link between two subdevices: the end that accepts the other's format is to change; the
+ * receiving one is tried first. */
 static int mend_ends(const graph *g, const struct media_v2_pad *source, const struct media_v2_pad *sink, char *mend,
                      size_t mend_bytes)
 {

@@ -17,9 +17,8 @@ typedef struct pupil_v4l2_sensor {
 int pupil_v4l2_media_sensor(const pupil_v4l2_device *device, pupil_v4l2_sensor *sensor, pupil_why *why);
 
 /* Why a node with this format does not start, as the end of a sentence. It names the first link on its way to the
- * sensor, or else of its graph, that is off or whose ends differ. It has the media-ctl line that mends it. 0, or -1: it
- * has no graph.
- */
+ * sensor, or else of its graph, that is off or whose ends differ. It has the media-ctl line that corrects it. 0, or -1:
+ * there is no graph. */
 int pupil_v4l2_media_mend(const pupil_v4l2_device *device, const pupil_v4l2_format *format, char *mend,
                           size_t mend_bytes);
 

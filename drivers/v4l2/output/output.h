@@ -31,7 +31,7 @@ typedef struct pupil_v4l2_output {
     int32_t luma_offset;  /* the code of black */
 } pupil_v4l2_output;
 
-/* What frames can be written as, what is simplest first. */
+/* The formats that frames can be written in, the simplest first. */
 #define PUPIL_V4L2_OUTPUTS 13
 extern const uint32_t pupil_v4l2_outputs[PUPIL_V4L2_OUTPUTS];
 

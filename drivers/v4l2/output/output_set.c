@@ -59,7 +59,7 @@ static int try_format(const pupil_v4l2_device *d, const pupil_sink_options *o, u
     return 1;
 }
 
-/* The sizes that a driver lists behind the sentence that one was refused. */
+/* Adds the sizes that a driver lists to the sentence that one was refused. */
 static void add_sizes(const pupil_v4l2_device *d, pupil_why *why)
 {
     pupil_live_modes modes;
@@ -92,7 +92,7 @@ static int set_format(const pupil_v4l2_device *d, const pupil_sink_options *o, p
         if (result < 0)
             return pupil_refuse(why, "%s", words.text);
         if (!*size_words.text && output->width)
-            size_words = words; /* the format is right: the size is the point */
+            size_words = words; /* the format is right: the size was refused */
     }
     pupil_refuse(why, "%s", *size_words.text ? size_words.text : words.text);
     if (*size_words.text)

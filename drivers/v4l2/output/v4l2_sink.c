@@ -13,7 +13,7 @@
 #define BUFFERS      3    /* one that is shown, the next one, and one to fill */
 #define MOST_BUFFERS 32   /* of one queue (VIDEO_MAX_FRAME) */
 #define TIMEOUT_MS   5000 /* the slowest display shows a frame far sooner */
-#define PAUSE_MS     5    /* where a driver says that it is ready, and is not */
+#define PAUSE_MS     5    /* if a driver says that it is ready, and is not */
 
 typedef struct v4l2_sink {
     pupil_sink base;
