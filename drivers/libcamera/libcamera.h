@@ -37,11 +37,11 @@ typedef struct pupil_libcamera_options {
     double fps;                         /* 0: the camera's choice */
     uint32_t buffers;                   /* 2..32; 0: 4. Few: a setting waits for the requests before it */
     double timeout_s;                   /* after so long without a frame the stream has failed; 0: 5 */
-    double reopen_s;                    /* how long a camera that is gone is waited for; 0: that is an error */
+    double reopen_s;                    /* how long to wait for a camera that is gone; 0: that is an error */
     int late;                           /* a pupil_live_late */
     int monotonic;                      /* 1: timestamps are CLOCK_MONOTONIC's; 0: the first frame's is 0 */
     int (*stop)(void);                  /* asked while waiting; nonzero ends the stream; NULL: never */
-    uint32_t delay;                     /* frames that a control takes to act; 0: as is found */
+    uint32_t delay;                     /* frames that a control takes to act; 0: as found */
     int hands_off;                      /* 1: no control is touched */
 } pupil_libcamera_options;
 

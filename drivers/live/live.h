@@ -32,7 +32,8 @@
 #include "source.h"
 #include "v4l2/capture/capture.h"
 
-/* What cameras and output nodes are reached through, so that fakes can take its place. NULL: the machine's own. */
+/* The calls by which cameras and output nodes are reached, so that fakes can take their place. NULL: the machine's own.
+ */
 typedef struct pupil_live_system {
     const pupil_v4l2_system *v4l2;                 /* NULL: the kernel */
     const struct pupil_libcamera_layer *libcamera; /* NULL: none */

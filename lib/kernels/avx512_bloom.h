@@ -88,7 +88,7 @@ static void bloom_halve(const float *const *rows, size_t ahead, uint32_t n, pupi
     }
 }
 
-/* Even and odd ones of 32 pixels, from a vector on. */
+/* Even and odd ones of 32 pixels, from vectors a and b. */
 INLINE void widen_at(floats a, floats b, floats *even, floats *odd)
 {
     const floats here = v_mul(FROM_LANE(a, b, BESIDE(0)), v_all(0x89p-8f));

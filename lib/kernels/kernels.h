@@ -96,7 +96,7 @@ typedef struct pupil_coder {
     float full4;                 /* mosaics: four times the code of the largest light ... */
     int32_t black4;              /* ... and of no light, rounded */
     float matrix[9];
-    uint32_t lines; /* grey and mosaics: those between knees, and zero, unit are 0, 1, unit4 the balance; 0: linear */
+    uint32_t lines; /* grey and mosaics: those between knees; zero, unit are then 0, 1, unit4 the balance; 0: linear */
     pupil_line line[PUPIL_KNEES + 1];
     uint32_t has_matrix, shift, red_x, red_y; /* which pixel of a quad is red */
 } pupil_coder;
@@ -194,8 +194,8 @@ typedef void pupil_unpack_kernel(const uint8_t *row, uint32_t shift, uint32_t x,
 /* n quads, from both of their rows. */
 typedef void pupil_binned_kernel(const pupil_coder *coder, const uint16_t *upper, const uint16_t *lower, uint32_t n,
                                  pupil_planes *planes);
-/* n pixels, from three rows of n + 2 samples, the first being left of the first pixel. `red_x`: whether the first
- * pixel's column is one of red samples; `red_y`: whether its row is. */
+/* n pixels, from three rows of n + 2 samples that begin left of the first pixel. `red_x`: whether the first pixel's
+ * column has red samples; `red_y`: whether its row has. */
 typedef void pupil_bilinear_kernel(const pupil_coder *coder, const uint16_t *const rows[3], int red_x, int red_y,
                                    uint32_t n, pupil_planes *planes);
 /* The same of companded samples, after expand has made them light. expand: n samples, written up to the next multiple
@@ -237,7 +237,7 @@ typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *r
  * are the codes less 128, times a ratio, in 1/16 of a code. A quad is two pixels of each row, with their common Cb and
  * Cr. */
 typedef struct pupil_luma_tables {
-    uint8_t luma[256]; /* what a code of Y' becomes: one of Y', or of grey R'G'B' */
+    uint8_t luma[256]; /* what a code of Y' becomes: a code of Y', or of grey R'G'B' */
     /* The same for avx2_luma.h: each 16 entries exclusive-ored with the 16 before, starting again at 128. */
     uint8_t luma_steps[256];
     /* The factors of Cb and Cr, in 1/2048, indexed by the mean of a quad's codes in steps of two. */

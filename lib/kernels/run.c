@@ -210,8 +210,8 @@ static void add_bins(const pupil_row_job *job, const pupil_channels *light, uint
  * end. A block begins with a whole group. */
 enum { MOST_PICKED = 64, MOST_PICKED_IN_ROW = 128 };
 typedef struct picks {
-    uint32_t count, group; /* so many pixels, each of a group of so many */
-    size_t at;             /* the first one; the next is a group's length on */
+    uint32_t count, group; /* how many pixels, and the size of each one's group */
+    size_t at;             /* the first one; the next is a group further on */
 } picks;
 
 static picks picks_from(const pupil_row_job *job, const pupil_row *row, uint32_t i, uint32_t n, uint32_t most)

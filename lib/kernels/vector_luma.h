@@ -11,7 +11,7 @@ typedef struct luma_words {
 } luma_words;
 
 typedef struct scaled_words {
-    v_words u, v, red, green, blue; /* as luma_quad's */
+    v_words u, v, red, green, blue; /* as luma_lists's */
 } scaled_words;
 
 INLINE luma_words luma_words_of(const pupil_luma_tables *t)

@@ -30,9 +30,9 @@ INLINE __m256 four_pairs(const float *first, const float *second, const float *t
     return _mm256_insertf128_ps(_mm256_castps128_ps256(two_pairs(first, second)), two_pairs(third, fourth), 1);
 }
 
-/* The pairs from eight addresses: two for `even`, two for `odd`, and so on. `two` has two indices in each number, which
- * halves the loads. A gather takes several times as long on many CPUs (AMD's; Intel's with the microcode against Gather
- * Data Sampling). */
+/* The pairs from eight addresses, by twos to `even` and `odd`. A number of `two` is two indices, which halves their
+ * loads. A gather takes several times as long on many CPUs (AMD's; Intel's with the microcode against Gather Data
+ * Sampling). */
 INLINE void eight_pairs(const float *first, ptrdiff_t step, const int64_t two[4], __m256 *even, __m256 *odd)
 {
 #define AT(k) (first + step * ((k) % 2 ? two[(k) / 2] >> 32 : (int32_t)two[(k) / 2]))

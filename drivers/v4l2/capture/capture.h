@@ -47,8 +47,8 @@ typedef struct pupil_v4l2_options {
     double fps;                      /* 0: what is set. A camera whose driver has no rate to set runs at its own */
     uint32_t buffers;                /* 2..32; 0: 4 */
     double timeout_s;                /* after so long without a frame the stream has failed; 0: 5 */
-    double reopen_s;                 /* pupil_live only: how long an unplugged camera is waited for, and one whose
-                                      * stream stopped or changed is opened again; 0: that is an error */
+    double reopen_s;                 /* pupil_live only: how long to wait for an unplugged camera, or to reopen one
+                                      * whose stream stopped or changed; 0: these are errors */
     int late;                        /* a pupil_live_late */
     int share;                       /* 1: buffers as dma-bufs, too */
     uint32_t memory;                 /* a pupil_v4l2_memory */

@@ -1,7 +1,7 @@
 /* drivers/v4l2/capture/memory.h: how fast the CPU reads the memory of frames, and memory that it reads fast.
  *
  * Buffers of many boards' cameras are mapped without caches: reading them takes ten times as long as reading ordinary
- * memory, and metering them more than the sensor's exposure. That is measured, not guessed. */
+ * memory, and metering them longer than the sensor's exposure. That is measured, not guessed. */
 #ifndef PUPIL_DRIVERS_V4L2_CAPTURE_MEMORY_H
 #define PUPIL_DRIVERS_V4L2_CAPTURE_MEMORY_H
 

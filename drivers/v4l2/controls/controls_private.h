@@ -41,7 +41,7 @@ typedef struct v4l2_camera {
         int fd;
         uint32_t id;
         int64_t value;
-    } off[CAMERA_SAVED]; /* what was turned off, in the order in which it was */
+    } off[CAMERA_SAVED]; /* what was turned off, in that order */
     uint32_t off_count;
 
     pthread_t thread;
