@@ -9,7 +9,7 @@
 GST_ELEMENT_REGISTER_DECLARE(pupilae)
 GST_ELEMENT_REGISTER_DECLARE(pupilsrc)
 
-/* The calls by which pupilsrc reaches cameras, so that a fake can take their place. NULL: the machine's own. */
+/* The calls by which pupilsrc reaches cameras; a fake can replace them. NULL: the machine's own. */
 extern const pupil_live_system *pupilsrc_system;
 
 #endif

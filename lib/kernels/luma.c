@@ -155,9 +155,8 @@ void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *
     t->green_u = word_of(c->green_u * 8192.0f);
     t->green_v = word_of(c->green_v * 8192.0f);
     const float knee = job->curve->gamut > 0.0f ? PUPIL_GAMUT_KNEE : 1.0f;
-    const float far = largest_change(&in, &out, t->luma) < 0.02f
-                          ? 8.0f
-                          : 0.4f; /* if codes hardly change, luma need not be luminance */
+    const float far =
+        largest_change(&in, &out, t->luma) < 0.02f ? 8.0f : 0.4f; /* unscaled, luma need not be luminance */
     t->surface = word_of(4.0f * (knee * (255.0f + out.zero * out.one) + NEAR_ROOM));
     t->surface_slope = word_of(1024.0f * knee * out.one);
     t->far = word_of(4.0f * (FAR_ROOM - far * out.zero * out.one));

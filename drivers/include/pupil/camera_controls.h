@@ -17,7 +17,7 @@
  * Only this header, libpupil-camera and -pthread are needed (pkg-config pupil-camera); it uses only types of libpupil.
  *
  * V4L2 controls of UVC cameras: EXPOSURE_AUTO (its menu), EXPOSURE_ABSOLUTE (100 us), EXPOSURE_AUTO_PRIORITY and GAIN.
- * Of sensors, on their subdevice or passed on to the video node: EXPOSURE (lines; the line's time comes from
+ * Of sensors, on their subdevice or on a video node that passes them on: EXPOSURE (lines; the line's time comes from
  * PIXEL_RATE, HBLANK and the width), VBLANK, and ANALOGUE_GAIN (by the sensor's law: sensors.txt). Of both:
  * POWER_LINE_FREQUENCY. VBLANK is written first, alone, and the limits of EXPOSURE are read again after it.
  *

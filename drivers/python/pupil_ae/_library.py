@@ -49,15 +49,15 @@ def check(code):
 
 
 def sentence_of(check_function, *arguments):
-    """What one of the library's checks finds wrong; None where nothing is."""
+    """The fault that one of the library's checks finds; None if there is none."""
     why = ctypes.c_char_p()
     code = check_function(*arguments, ctypes.byref(why))
     return (code, (why.value or b"").decode()) if code else None
 
 
 def _faults():
-    """What the library answers to this module's structs, where it is not what the headers say: a value at the end of
-    each struct is written by one side and read by the other."""
+    """How the library's structs differ from this module's: a value at the end of each struct is written by one side
+    and read by the other."""
     version = lib.pupil_version().decode()
     if version.split(".")[:2] != [str(number) for number in _abi.VERSION[:2]]:
         yield f"its version is {version}"
