@@ -17,7 +17,8 @@
  * histogram needs GL_EXT_color_buffer_half_float or GL_EXT_color_buffer_float, and is not available for external
  * textures. In ES 3.1 it counts every pixel. In ES 3.0 it counts one of each four rows, or of config.meter_rows of the
  * pupil_t, scaled to the weight of all; always the same rows, chosen pseudo-randomly. With config.meter_rows 1 it
- * counts all rows, and is exact (docs/gpu.md). stats.peak is that of every pixel in both versions.
+ * counts all rows, and is exact, unless the frame has more than fit the context's largest texture (docs/gpu.md).
+ * stats.peak is that of every pixel in both versions.
  * config.histogram_step is not read: on large frames the white point is that of the CPU with histogram_step 1, which is
  * not quite that of its default.
  *
@@ -86,10 +87,11 @@ typedef enum pupil_gles_adapt {
     PUPIL_GLES_ADAPT_CPU = 0, /* default: every law. A frame is mapped by the newest statistics that have come back,
                                * which are at least a frame old */
     PUPIL_GLES_ADAPT_GPU,     /* a frame is mapped by its own light, without a round trip. Only with PUPIL_LAW_SECONDS,
-                               * no trimming, a white that does not follow, and Reinhard's curve. Temporal flicker is
-                               * not removed, and highlights do not hold the level. The state on the GPU is an integer,
-                               * within 2e-6 stops of the CPU's with config.flicker 0 (docs/numerics.md). Statistics
-                               * still come back, so the pupil_t follows and can take over */
+                               * no trimming, a white that does not follow, Reinhard's curve, no key_points, and
+                               * highlight_ev 0 or no histogram. Temporal flicker is not removed. The state on the GPU
+                               * is an integer, within 2e-6 stops of the CPU's with config.flicker 0
+                               * (docs/numerics.md). Statistics still come back, so the pupil_t follows and can take
+                               * over */
     PUPIL_GLES_ADAPT_COUNT
 } pupil_gles_adapt;
 
