@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* "pupil" and the arguments, quoted where a shell would otherwise take them apart. */
+/* "pupil" and the arguments, quoted where a shell would otherwise split them. */
 void command_line(char *text, size_t bytes, int argc, char **argv);
 
 #endif

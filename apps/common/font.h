@@ -4,7 +4,8 @@
 
 enum { FONT_WIDTH = 5, FONT_HEIGHT = 7, FONT_STEP = 6, FONT_LINE = 10 };
 
-/* Rows from the top, the leftmost pixel in bit 4. Small letters are capitals; what has no picture is a '?'. */
+/* Rows from the top, the leftmost pixel in bit 4. Small letters are shown as capitals, characters without a glyph as
+ * '?'. */
 const unsigned char *font_rows(char c);
 
 #endif

@@ -9,17 +9,17 @@ typedef struct progress {
     int line_open;  /* something is on the line */
     uint64_t total; /* frames expected; 0: unknown */
     double began_s, last_s;
-    char line[256]; /* what is added to it */
+    char line[256]; /* its text */
 } progress;
 
 void progress_begin(progress *p, int quiet, uint64_t total);
 
-/* 1: it is time for a new line, `every_s` seconds after the last one, which the caller adds to and shows. 0: it is not,
- * or no line is shown. */
+/* 1: `every_s` seconds have passed since the last line; the caller adds to a new one and shows it. 0: not yet, or no
+ * line is shown. */
 int progress_due(progress *p, double every_s);
 void progress_add(progress *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* In place of the last one, cut to the terminal's width: a line that goes on below would stay there. */
+/* Overwrites the last line. Cut to the terminal's width: a wrapped line could not be overwritten. */
 void progress_show(progress *p);
 
 void progress_clear(progress *p); /* leaves the line empty, for a message */

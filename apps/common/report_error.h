@@ -1,4 +1,4 @@
-/* apps/common/report_error.h: sentences and names for the user. What would steer a terminal becomes '?'. */
+/* apps/common/report_error.h: sentences and names for the user. Control characters become '?'. */
 #ifndef PUPIL_APPS_COMMON_REPORT_ERROR_H
 #define PUPIL_APPS_COMMON_REPORT_ERROR_H
 

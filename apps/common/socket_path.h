@@ -1,5 +1,5 @@
-/* apps/common/socket_path.h: the address of a Unix socket, whose own paths end at 107 bytes. A longer one goes by its
- * folder, which is held open: /proc/self/fd/N/NAME. */
+/* apps/common/socket_path.h: the address of a Unix socket, which has room for a path of 107 bytes. A longer path is
+ * reached through its folder, which is held open: /proc/self/fd/N/NAME. */
 #ifndef PUPIL_APPS_COMMON_SOCKET_PATH_H
 #define PUPIL_APPS_COMMON_SOCKET_PATH_H
 

@@ -1,6 +1,6 @@
 /* apps/frame/any_scale.h: float light of any unit. Metering has a floor and a largest luminance, which suit light
- * around 1; light that is far from it is multiplied by a power of two, and its gain says so. A frame that is a
- * sensor's noise is put below the floor: noise stays dark.
+ * around 1. Light far from 1 is multiplied by a power of two, which the frame's gain states. A frame that is only
+ * sensor noise is scaled to below the floor, so noise stays dark.
  */
 #ifndef PUPIL_APPS_FRAME_ANY_SCALE_H
 #define PUPIL_APPS_FRAME_ANY_SCALE_H
@@ -11,8 +11,8 @@
 #include "source.h"
 
 typedef struct any_scale {
-    int stops;              /* the last frame was multiplied by 2 to the power of it; 0: it was left alone */
-    int known, noise_known; /* a frame with light has set unit_stops; one that is noise, noise_stops */
+    int stops;              /* the last frame was multiplied by 2 to this power; 0: it was left alone */
+    int known, noise_known; /* a frame with light has set unit_stops; a frame of noise, noise_stops */
     int unit_stops, noise_stops;
     unsigned long long noise_frames;
     float *memory;
@@ -22,10 +22,10 @@ typedef struct any_scale {
 /* Whether frames of this pupil_pixel have a unit: floats. */
 int any_scale_concerns(uint32_t pixel);
 
-/* The frame in memory of its own, where it has to be multiplied; else it is left alone. -1 and a sentence. */
+/* A frame that has to be multiplied is copied to memory of its own; any other is left alone. -1 and a sentence. */
 int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why);
 
-/* "; the light ...", where it is multiplied or noise: for the user. */
+/* "; the light ...", for the user, if it is multiplied or noise. */
 void any_scale_describe(const any_scale *a, char *text, size_t text_bytes);
 
 /* The next frame sets the scale, and nothing is known of noise. */

@@ -1,4 +1,4 @@
-/* apps/frame/cpu_engine.h: the pixels of a frame on several threads of the CPU, with the bits of one. */
+/* apps/frame/cpu_engine.h: the pixels of a frame on several threads of the CPU, bit for bit as one thread does them. */
 #ifndef PUPIL_APPS_FRAME_CPU_ENGINE_H
 #define PUPIL_APPS_FRAME_CPU_ENGINE_H
 

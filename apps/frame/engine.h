@@ -1,6 +1,5 @@
-/* apps/frame/engine.h: what does the pixels of a frame: the threads of the CPU (cpu_engine.h) or the GPU
- * (gles_engine.h). What is done when, and by which curve, the pipeline decides (pipeline.h).
- */
+/* apps/frame/engine.h: the interface of what processes a frame's pixels: the CPU's threads (cpu_engine.h) or the GPU
+ * (gles_engine.h). The pipeline (pipeline.h) decides what is done when, and by which curve. */
 #ifndef PUPIL_APPS_FRAME_ENGINE_H
 #define PUPIL_APPS_FRAME_ENGINE_H
 
@@ -9,7 +8,7 @@
 
 /* Each returns 0, or -1 and a sentence. */
 typedef struct frame_engine_ops {
-    /* Leaves the frame's statistics. The level stays as it is; an engine that has no histogram retunes `pupil`. */
+    /* Writes the frame's statistics. The level stays as it is; an engine without a histogram retunes `pupil`. */
     int (*meter)(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why);
 
     /* Maps the frame that was metered last to an RGB8 image. */

@@ -1,6 +1,6 @@
 /* apps/frame/frame_veil.h: the veil of each frame (pupil/veil.h), of any size, gathered by several workers.
  *
- * Threads: gather and map by the workers, each with its number; the others by one thread between.
+ * Threads: gather and map by the workers, each with its number; the others by one thread, between these.
  */
 #ifndef PUPIL_APPS_FRAME_FRAME_VEIL_H
 #define PUPIL_APPS_FRAME_FRAME_VEIL_H
@@ -10,12 +10,13 @@
 
 typedef struct frame_veil frame_veil;
 
-/* A configuration that pupil_veil_config_check accepts; its width and height are not looked at. Unless `bloom_above` is
- * NULL its narrow lobes are bloom (pupil/bloom.h), of light above that. NULL: not enough memory. */
+/* A configuration that pupil_veil_config_check accepts; its width and height are ignored. Unless `bloom_above` is NULL
+ * the narrow lobes are bloom (pupil/bloom.h) of light above it. NULL: not enough memory. */
 frame_veil *frame_veil_open(const pupil_veil_config *config, const double *bloom_above, unsigned workers);
 void frame_veil_close(frame_veil *v); /* NULL is allowed */
 
-/* A new frame: makes the veil for its size, and forgets the light before. -1 and a sentence: it cannot have a veil. */
+/* A new frame: makes the veil for its size, and forgets the light of the last frame. -1 and a sentence: the frame
+ * cannot have a veil. */
 int frame_veil_begin(frame_veil *v, const pupil_frame *frame, pupil_why *why);
 
 /* The worker's rows of the frame, metered into stats (NULL: only gathered). PUPIL_OK or an error. */

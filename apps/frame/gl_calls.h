@@ -75,16 +75,16 @@ typedef struct gl_calls {
 #undef GL_MEMBER
 } gl_calls;
 
-/* 0, or -1 and a sentence that names the function which the context lacks. */
+/* 0, or -1 and a sentence that names the missing function. */
 int gl_calls_load(gl_calls *gl, pupil_gles_get_proc get_proc, pupil_why *why);
 
-/* A program of two shaders; attributes have their places in the text. 0: the driver refuses it. */
+/* A program of two shaders, whose text states the locations of the attributes. 0: the driver refuses it. */
 GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *fragment);
 
-/* The name of a renderer that is no GPU but a program; NULL: it is a GPU, or nobody knows it. */
+/* The name of a software renderer; NULL: it is a GPU, or unknown. */
 const char *gl_calls_software(const gl_calls *gl);
 
-/* The state that pupil_gles and the program's own drawing change, as drawing to a framebuffer's rectangle wants it. */
+/* Sets the state that pupil_gles and the program's own drawing change to what drawing into a framebuffer needs. */
 void gl_calls_begin(const gl_calls *gl, GLuint framebuffer, GLsizei width, GLsizei height);
 
 #endif

@@ -1,7 +1,7 @@
 /* apps/frame/gles_shared.h: frames of a camera as textures, without a copy: each of its few buffers is imported once.
  *
- * The driver of the GPU decides whether it takes them (format, stride, memory). Where it refuses one, frames are
- * uploaded from then on, and `refusal` says why.
+ * The GPU's driver decides whether it takes a buffer (format, stride, memory). Once it refuses one, frames are
+ * uploaded, and `refusal` says why.
  *
  * Threads: the one in which the context is current.
  */
@@ -23,9 +23,10 @@ typedef struct gles_shared {
     pupil_why refusal; /* "": none so far */
 } gles_shared;
 
-/* The textures of this frame's buffer, until another stream's frame comes. NULL: it is to be uploaded. */
+/* The textures of this frame's buffer, valid until a frame of another stream comes. NULL: the frame is to be
+ * uploaded. */
 const pupil_dmabuf_textures *gles_shared_textures(gles_shared *shared, const pupil_frame *frame);
-/* What begins with all zero is allowed, and twice. */
+/* A zeroed struct is allowed, and a second call. */
 void gles_shared_release(gles_shared *shared);
 
 #endif

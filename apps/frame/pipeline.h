@@ -3,7 +3,7 @@
  *
  *     frame_pipeline_meter -> (the caller may replace the curve) -> frame_pipeline_map
  *
- * The curve of a frame is in one place: `curve`. How a frame is mapped can be read there.
+ * The curve that maps a frame is always in `curve`.
  *
  * Threads: the one that opens it.
  */
@@ -21,19 +21,19 @@ typedef struct frame_pipeline {
     pupil_frame_info info;
     pupil_stats stats;
     int has_light;       /* that frame, or one before it, had light: the level is known */
-    pupil_curve adapted; /* as the level after that frame asks for */
-    pupil_curve curve;   /* that maps it: adapted, or (fused) that of the level before it, or the caller's */
+    pupil_curve adapted; /* the curve for the level after that frame */
+    pupil_curve curve;   /* that maps it: adapted, or (fused) that of the level before, or the caller's */
     pupil_image display; /* RGB8, tightly packed, after it was mapped */
 
     cpu_engine *cpu;
-    gles_engine *gpu; /* NULL: the CPU does the frames */
+    gles_engine *gpu; /* NULL: frames are done by the CPU */
     int veil;         /* frames have one */
     int cpu_only;     /* frame_pipeline_use_gpu does nothing */
-    int own_curve;    /* the caller replaces the curve of each frame, so that none follows new settings */
+    int own_curve;    /* the caller replaces each frame's curve, so new settings do not change it */
     int is_mapped;    /* in the pass that metered it */
     uint64_t frames, gpu_frames;
     char gpu_name[512];
-    pupil_why warning; /* why the CPU has taken over; for the user, and then to be emptied */
+    pupil_why warning; /* why the CPU has taken over; emptied once the user has it */
     size_t display_bytes;
 } frame_pipeline;
 
@@ -42,12 +42,12 @@ typedef struct frame_pipeline {
 int frame_pipeline_open(frame_pipeline *p, const pupil_config *config, unsigned threads);
 void frame_pipeline_close(frame_pipeline *p);
 
-/* From now on frames have a veil: before frame_pipeline_use_gpu. With `bloom_above` (NULL: without) also the bloom of
- * light above that, by the CPU. -1: not enough memory. */
+/* From now on frames have a veil; to be called before frame_pipeline_use_gpu. With `bloom_above` (NULL: without) also
+ * the bloom of light above that, by the CPU. -1: not enough memory. */
 int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config, const double *bloom_above);
 
-/* Unless it is cpu_only, from now on the GPU, in the current context, whose functions get_proc finds, or (NULL) in a
- * context without a window; or else a warning. `version` is a pupil_gles_version. */
+/* Unless cpu_only is set, the GPU does the frames from now on, in the current context, whose functions get_proc finds,
+ * or (NULL) in a context without a window. Without a GPU: a warning. `version` is a pupil_gles_version. */
 void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_proc get_proc);
 
 /* The settings from the next frame on; `adapted` follows them at once. */
@@ -57,7 +57,7 @@ void frame_pipeline_retune(frame_pipeline *p, const pupil_config *config);
 int frame_pipeline_meter(frame_pipeline *p, const pupil_frame *frame, pupil_why *why);
 
 /* Maps the frame that was metered last by `curve` to `display`, unless metering did so already (fused). The picture has
- * the frame's size where it is `whole`, or where the CPU makes it; else it is small, enough for its figures. -1 and a
+ * the frame's size if `whole` is set or the CPU makes it; else it is small, just enough for its figures. -1 and a
  * sentence. */
 int frame_pipeline_map(frame_pipeline *p, const pupil_frame *frame, int whole, pupil_why *why);
 

@@ -9,8 +9,8 @@ typedef struct workers workers;
 /* What each worker runs: its number, and how many there are. */
 typedef void worker_job(void *context, unsigned worker, unsigned count);
 
-/* `count` workers, the caller being one of them, or fewer where the system gives no more threads; 0: one for each
- * processor. NULL: no memory. */
+/* `count` workers, among them the caller, or fewer if the system gives fewer threads; 0: one for each processor. NULL:
+ * not enough memory. */
 workers *workers_open(unsigned count);
 unsigned workers_count(const workers *w);
 

@@ -1,4 +1,4 @@
-/* apps/list/list.h: pupil list: the cameras that are there. */
+/* apps/list/list.h: pupil list: the cameras of the system. */
 #ifndef PUPIL_APPS_LIST_LIST_H
 #define PUPIL_APPS_LIST_LIST_H
 
@@ -11,8 +11,8 @@ typedef struct list_camera {
     pupil_live_modes modes;
 } list_camera;
 
-/* Writes the list to `out`, and to `err` a sentence for each node that could not be asked. The program's exit status.
- */
+/* Writes the list to `out`, and to `err` a sentence for each node that could not be queried. Returns the program's exit
+ * status. */
 int list_cameras(const pupil_live_system *system, int json, FILE *out, FILE *err);
 
 /* All of them as one array of JSON; to be freed; NULL: out of memory. */

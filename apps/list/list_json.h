@@ -1,5 +1,5 @@
-/* apps/list/list_json.h: the parts of a list that other JSON of this program has, too. Each: 0 where memory is short.
- */
+/* apps/list/list_json.h: the parts of a list that are also in other JSON of this program. Each: 0 if memory is
+ * short. */
 #ifndef PUPIL_APPS_LIST_LIST_JSON_H
 #define PUPIL_APPS_LIST_LIST_JSON_H
 

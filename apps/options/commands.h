@@ -11,7 +11,7 @@ enum {
     EXIT_FAILED = 1,
     EXIT_USAGE = 2,
     EXIT_INCOMPLETE = 3,   /* done, but frames were skipped or lost */
-    EXIT_INTERRUPTED = 130 /* by Ctrl-C, where that is no usual end; as shells have it: 128 + SIGINT */
+    EXIT_INTERRUPTED = 130 /* by Ctrl-C, if that is not the usual end; as in shells: 128 + SIGINT */
 };
 
 int run_main(int argc, char **argv);
@@ -31,10 +31,10 @@ int map_main(int argc, char **argv);
 extern const option_command run_command, replay_command, record_command, render_command, study_command, bench_command,
     sim_command, list_command, probe_command, ctl_command, meter_command, adapt_command, map_command;
 
-/* All of them in the order of the help, up to NULL. */
+/* All commands in the order of the help, ended by NULL. */
 extern const option_command *const pupil_commands[];
 
-/* Runs one of them: its own arguments, its name first; the exit status. */
+/* Runs a command with its own arguments, its name first; returns the exit status. */
 int pupil_command_run(const option_command *command, int argc, char **argv);
 
 #endif

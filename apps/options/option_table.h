@@ -1,5 +1,5 @@
-/* apps/options/option_table.h: the options of a command as rows of a table. The rows are what a command line is parsed
- * and checked by, and what --help, the man page and completion are made of. */
+/* apps/options/option_table.h: the options of a command as rows of a table. A command line is parsed and checked by
+ * these rows, and --help, the man page and completion are made from them. */
 #ifndef PUPIL_APPS_OPTIONS_OPTION_TABLE_H
 #define PUPIL_APPS_OPTIONS_OPTION_TABLE_H
 
@@ -39,16 +39,16 @@ struct option_row {
     const char *name; /* without its dashes */
     char letter;      /* 0: none */
     option_kind kind;
-    const char *value; /* what the value is called; of a choice its words, or else they are in `words` */
+    const char *value; /* what the value is called; of a choice its words, unless they are in `words` */
     size_t offset;
     double low, high;
     double unit_s;
     const char *unit;                        /* "seconds", in front of the range in a sentence; NULL: a number */
     const char *right;                       /* "must be ..."; NULL: made of kind, unit and range */
-    const char *initial;                     /* the value without the option; NULL: none, or `help` says it */
+    const char *initial;                     /* the default; NULL: none, or `help` says it */
     const char *help;                        /* a phrase without a full stop, for --help and the man page */
-    const char *more;                        /* what the man page adds to it: sentences; NULL */
-    const char *words;                       /* of a choice with so many that `help` is followed by them; NULL */
+    const char *more;                        /* sentences that the man page adds; NULL */
+    const char *words;                       /* of a choice with too many for `value`: they follow `help`; NULL */
     int (*parse)(const option_value *value); /* instead of the kind's own; returns as options_parse */
 };
 
@@ -58,7 +58,7 @@ typedef struct option_group {
     const option_row *row;
     size_t rows;
     size_t base;       /* of the rows' struct in the command's */
-    const char *brief; /* --help has their names only, and "as of pupil BRIEF" where it is not ""; NULL */
+    const char *brief; /* --help has only the names of the rows, and "as of pupil BRIEF" unless it is ""; NULL */
 } option_group;
 
 #define OPTION_ROWS(array) .row = (array), .rows = sizeof(array) / sizeof *(array)
@@ -67,31 +67,32 @@ typedef struct option_command option_command;
 struct option_command {
     const char *name;                   /* "replay", "bench scene" */
     const char *summary;                /* for `pupil help` */
-    const char *usage;                  /* a line each way to call it, without "pupil NAME" */
-    const char *about;                  /* lines of --help in front of the options */
+    const char *usage;                  /* a line for each way to call it, without "pupil NAME" */
+    const char *about;                  /* lines of --help before the options */
     const char *exits;                  /* the exit statuses */
     const char *manual;                 /* paragraphs of the man page, with an empty line between */
-    const char *instead;                /* where there are no operands: what a user may have meant */
-    const option_group *groups;         /* up to one without rows */
-    const option_command *const *parts; /* `pupil bench scene` and so on, up to NULL; NULL: none */
+    const char *instead;                /* of a command without operands: what a user may have meant */
+    const option_group *groups;         /* ended by one without rows */
+    const option_command *const *parts; /* `pupil bench scene` and so on, ended by NULL; NULL: none */
 };
 
 #define OPTION_MOST_ROWS 192 /* of a command, --help among them; test_apps_options_table checks it */
 
-/* What options_parse found besides the values. */
+/* What options_parse finds besides the values. */
 typedef struct option_words {
-    char **word; /* the operands; in argv, whose front they are moved to */
+    char **word; /* the operands, moved to the front of argv */
     int count;
     uint64_t given[OPTION_MOST_ROWS / 64]; /* a bit for each row */
 } option_words;
 
 enum { OPTIONS_RUN = 0, OPTIONS_HELP = 1, OPTIONS_USAGE = -1 /* as pupil_refuse */ };
 
-/* All commands, up to NULL, so that an option of another command is recognised. NULL: none are known. */
+/* All commands, ended by NULL, so that an option of another command is recognised. NULL: none are known. */
 extern const option_command *const *option_commands;
 
-/* Sets what is given in `options`, which has its defaults. OPTIONS_RUN; OPTIONS_HELP where help was asked for, which is
- * then on standard output; OPTIONS_USAGE and a sentence that names the option, its value, and what would be right. */
+/* Sets the given options in `options`, which has the defaults. OPTIONS_RUN; OPTIONS_HELP if help was asked for, which
+ * was then printed on standard output; OPTIONS_USAGE and a sentence that names the option, its value, and the right
+ * form. */
 int options_parse(const option_command *command, void *options, int argc, char **argv, option_words *words,
                   pupil_why *why);
 
@@ -104,14 +105,14 @@ int options_given(const option_command *command, const option_words *words, cons
 /* The sentence of OPTIONS_USAGE: "--NAME TEXT: must be RIGHT"; NULL: as the row says. Returns OPTIONS_USAGE. */
 int option_refuse(const option_value *value, const char *right);
 
-/* As the kind of the row has it, with the range and the place for the result given. */
+/* Parses as the row's kind says; all but option_take are given the range and the place for the result. */
 int option_take(const option_value *value);
 int option_number(const option_value *value, double low, double high, double *number);
 int option_whole(const option_value *value, double low, double high, uint64_t *whole);
 int option_time(const option_value *value, double low_s, double high_s, double *seconds);
-/* `count` numbers with commas between. */
+/* `count` numbers, separated by commas. */
 int option_numbers(const option_value *value, int count, double *numbers);
-/* The place of the text in words with | between, or -1. */
+/* The index of the text among words separated by |, or -1. */
 int option_word(const char *text, const char *words);
 
 /* The command of a name, "bench" or "bench scene"; NULL. */
@@ -127,23 +128,23 @@ typedef struct option_near {
 void option_near_begin(option_near *near, const char *given);
 void option_near_try(option_near *near, const char *name);
 
-/* What has the effect that a name promises which no command has, as a clause; NULL. */
+/* For a name that no option has: what has the effect that it promises, as a clause; NULL. */
 const char *option_sought(const char *name);
 
-/* The row and the base of a command's n-th option; NULL behind the last. --help is the last one. */
+/* The row and the base of a command's n-th option; NULL after the last, which is --help. */
 const option_row *options_row(const option_command *command, size_t n, size_t *base);
 
 /* Of a choice: a|b|c. */
 const char *option_words_of(const option_row *row);
 
-/* What would be right, as in the sentence. */
+/* The right form, as in the sentence. */
 void option_right(const option_row *row, char *text, size_t bytes);
 
 /* --help of one command; all commands as a man page. */
 void options_help(const option_command *command, FILE *out);
 void options_manual(const option_command *const *commands, FILE *out);
 
-/* The completion for bash, which asks for what can be in the place of the last of some words: a line each. */
+/* The completion script for bash; and what it asks for: all that can replace the last of the words, a line each. */
 void options_completion(FILE *out);
 void options_complete(const option_command *const *commands, int count, char **words, FILE *out);
 

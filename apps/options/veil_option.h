@@ -1,4 +1,4 @@
-/* apps/options/veil_option.h: --veil: whose eye, or which Gaussians. */
+/* apps/options/veil_option.h: --veil: the age of the eye, or the Gaussians. */
 #ifndef PUPIL_APPS_OPTIONS_VEIL_OPTION_H
 #define PUPIL_APPS_OPTIONS_VEIL_OPTION_H
 

@@ -1,4 +1,4 @@
-/* apps/output/display_stats.h: what a display frame shows, in figures. */
+/* apps/output/display_stats.h: figures of a display frame. */
 #ifndef PUPIL_APPS_OUTPUT_DISPLAY_STATS_H
 #define PUPIL_APPS_OUTPUT_DISPLAY_STATS_H
 

@@ -7,9 +7,9 @@
 
 #include "frame_log.h"
 
-#define PLOT_MOST_POINTS 4000 /* over twice the pixels across */
+#define PLOT_MOST_POINTS 4000 /* more than twice the plot's width in pixels */
 
-/* Which number of an entry: its member at `offset` times `factor`, or what `derived` makes of it. */
+/* A number of an entry: its member at `offset` times `factor`, or the result of `derived`. */
 typedef struct plot_value {
     size_t offset; /* of a double in frame_log_entry */
     double factor; /* 0: 1 */

@@ -13,7 +13,7 @@
 
 typedef struct pupil_stats_file pupil_stats_file;
 
-/* Whether its name says a form: 0, or -1 and a sentence. Nothing is opened. */
+/* Whether the name has a known ending: 0, or -1 and a sentence. Nothing is opened. */
 int pupil_stats_file_check(const char *path, pupil_why *why);
 
 /* A file that is there is refused, unless overwrite. 0, or -1 and a sentence that names the path. */
@@ -23,7 +23,7 @@ int pupil_stats_file_write(pupil_stats_file *file, const frame_log_entry *record
 /* 1: it goes to standard output, and its reader is gone. */
 int pupil_stats_reader_gone(const pupil_stats_file *file);
 
-/* Puts the file in its place. It is gone afterwards, whether that succeeded or not. */
+/* Puts the file in its place. `file` is freed, whether that succeeded or not. */
 int pupil_stats_file_finish(pupil_stats_file *file, pupil_why *why);
 
 /* Leaves nothing. Takes NULL. */

@@ -7,11 +7,11 @@
 #include "frame_log.h"
 #include "pupil/error.h"
 
-/* One record as an object of JSON, without a line end; -1: not enough memory. What cannot be written is left to
- * ferror. */
+/* One record as an object of JSON, without a line end; -1: not enough memory. The caller checks ferror for write
+ * errors. */
 int pupil_stats_json_object(FILE *file, const frame_log_entry *record);
 
-/* 0, or -1 and a sentence where this program was built without JSON. */
+/* 0, or -1 and a sentence if this program was built without JSON. */
 int pupil_stats_json_check(const char *path, pupil_why *why);
 
 #endif

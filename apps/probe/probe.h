@@ -19,25 +19,25 @@ typedef struct probe_known {
 /* From the frame that is exposed while a control is written to the first that shows it. */
 typedef struct probe_delay {
     probe_known is;
-    unsigned frames, least, most; /* the usual one of all steps, and the ends of their range */
+    unsigned frames, least, most; /* the usual delay of all steps, the smallest, the largest */
     unsigned steps;
 } probe_delay;
 
 typedef struct probe_point {
-    double exposure_s, gain; /* as the driver took them */
+    double exposure_s, gain; /* as set by the driver */
     int64_t code;            /* of gain */
     double level_ev;         /* of the picture */
-    double off_ev;           /* of what it should be by the first point */
+    double off_ev;           /* distance to the level expected from the first point */
 } probe_point;
 
 /* Whether the picture's level follows a control. */
 typedef struct probe_law {
     probe_known is;
-    int obeyed;      /* 0: the driver says it has the value, and the picture does not change */
+    int obeyed;      /* 0: the driver reports the value, but the picture does not change */
     double slope;    /* stops of the picture for a stop of the control */
     double off_ev;   /* the largest of the points', in magnitude */
-    double drift_ev; /* the most that the picture changed by where nothing was asked of it: within a point, and at one
-                      * that was gone back to: the scene's, not the control's */
+    double drift_ev; /* the largest change of the picture at a constant setting, within a point or at a repeated one: it
+                      * is the scene's, not the control's */
     int as_told;     /* off_ev is small, except for the drift */
     probe_point point[PROBE_POINTS];
     unsigned points;
@@ -45,9 +45,9 @@ typedef struct probe_law {
 
 typedef struct probe_black {
     probe_known is;
-    double share;      /* of full scale, as it comes: without what the driver or a table says of black */
-    double exposure_s; /* the shortest, that it was measured at */
-    int at_most;       /* the scene is too bright for more than a bound */
+    double share;      /* of full scale, raw: without the black level of the driver or a table */
+    double exposure_s; /* the shortest, at which it was measured */
+    int at_most;       /* only an upper bound: the scene is too bright */
 } probe_black;
 
 typedef struct probe_interval {
@@ -64,10 +64,10 @@ typedef struct probe_latency {
 
 typedef struct probe_report {
     pupil_live_offers offers;
-    pupil_live_stream stream; /* that it was measured with */
+    pupil_live_stream stream; /* with which it was measured */
     double fps;
 
-    probe_known has_controls; /* why: the sentence of pupil_live_no_controls */
+    probe_known has_controls; /* its `why`: the sentence of pupil_live_no_controls */
     pupil_camera_limits limits;
 
     double seconds; /* of the stream */
@@ -86,8 +86,8 @@ typedef struct probe_options {
     int (*stop)(void);
 } probe_options;
 
-/* What only the stream says: opens the camera, takes its controls, and gives them back. 0; 1: stopped; -1 and a
- * sentence: no stream, or a control that could not be put back. What cannot be measured is said in the report. */
+/* Measures what only the stream shows: opens the camera, takes over its controls, and restores them. 0; 1: stopped; -1
+ * and a sentence: no stream, or a control that could not be restored. The report says what cannot be measured. */
 int probe_measure(probe_report *report, const pupil_live_system *system, const probe_options *options, pupil_why *why);
 
 void probe_text(const probe_report *report, FILE *out);

@@ -6,23 +6,23 @@
 #include "pupil/error.h"
 #include "pupil/pupil.h"
 
-#define PROBE_TRIM     0.1 /* left out of a level at either end: what clips or is black there does not move it */
+#define PROBE_TRIM     0.1 /* left out of a level at either end, so that clipped and black pixels do not move it */
 #define PROBE_MOST_BAD 0.08
 #define PROBE_STILL_EV                                                                                                 \
-    0.1 /* what a picture may move by itself, and its laws still be measured: what codes of 8 bits, and                \
-         * exposures in lines, leave of them */
+    0.1 /* how far a picture may move by itself for its laws to be measured: the rounding of 8-bit codes and           \
+         * exposures in lines */
 #define PROBE_LATENCIES 256
 
 /* A frame's light, or several frames': logs of shares of full scale, linear. */
 typedef struct probe_level {
-    double mean_ev;        /* of what is not trimmed */
+    double mean_ev;        /* without the trimmed pixels */
     double high_ev;        /* of the brightest channel of most pixels */
-    double low;            /* that a tenth of the pixels is below: a share, no log; only where wants_low is set */
+    double low;            /* a tenth of the pixels is below: a share, no log; only if wants_low is set */
     double clipped, black; /* shares of the pixels */
     double spread_ev;      /* of several frames: from the darkest to the brightest */
 } probe_level;
 
-enum { PROBE_OVER_TIME = 1, PROBE_STOPPED = 2 }; /* why a stream goes no further; -1: it failed */
+enum { PROBE_OVER_TIME = 1, PROBE_STOPPED = 2 }; /* why a stream ended; -1: it failed */
 
 typedef struct probe_stream {
     probe_report *report;
@@ -31,10 +31,10 @@ typedef struct probe_stream {
     pupil_camera *camera;
     pupil_t pupil;
     pupil_coding coding; /* the format's, with black as it was measured, and the camera's own colours */
-    double black;        /* a share of full scale, of samples that are linear; 0 before it is known */
+    double black;        /* a share of full scale, of linear samples; 0 before it is known */
     int wants_low;
     double period_s;  /* nominal */
-    double longest_s; /* exposures that leave the frame rate as it is */
+    double longest_s; /* exposure that does not lower the frame rate */
     unsigned settle;  /* frames after which a setting is surely in force */
     int64_t end_ns;
     int state; /* 0: continues; PROBE_OVER_TIME, ... */
@@ -52,34 +52,34 @@ typedef struct probe_stream {
 
 /* The next frame, metered. 0; or the state. */
 int probe_frame(probe_stream *s);
-/* The mean of so many frames. */
+/* The mean of `count` frames. */
 int probe_frames(probe_stream *s, unsigned count, probe_level *level);
-/* Asks for a setting and waits until the driver took it (0: as it is). under_way: the frame that was exposed then. 0;
- * or the state. */
+/* Asks for a setting (0: unchanged) and waits until the driver has taken it. under_way: the frame that was exposed
+ * then. 0; or the state. */
 int probe_set(probe_stream *s, double exposure_s, double gain, uint64_t *under_way);
 /* The same, until it is in force. */
 int probe_settle(probe_stream *s, double exposure_s, double gain);
-/* What the driver says it has. */
+/* The setting that the driver reports. */
 pupil_camera_setting probe_taken(const probe_stream *s);
 /* The picture is neither clipped nor black. */
 int probe_is_good(const probe_level *level);
-/* Into the report: what all frames reported. */
+/* Writes what the frames reported to the report. */
 void probe_stream_tell(probe_stream *s);
 
 /* How far the picture moves by itself, at a constant setting. */
 int probe_restless(probe_stream *s, double exposure_s, double gain, double *moved_ev);
-/* Why something that needs a picture at rest is not known. */
+/* Says that something is unknown because it needs a picture at rest. */
 void probe_moves(probe_known *is, double moved_ev);
 
-/* The parts. Each writes into the report; what it cannot measure is said there. */
+/* The parts. Each writes to the report, also what it cannot measure. */
 void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, double *gain);
-/* moved_ev: by itself, before. */
+/* moved_ev: how far the picture moved by itself, before. */
 void probe_delays(probe_stream *s, double exposure_s, double gain, double moved_ev);
 void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev);
 void probe_black_level(probe_stream *s);
 
 __attribute__((format(printf, 2, 3))) void probe_unknown(probe_known *is, const char *format, ...);
-/* Why nothing more is measured, where that is so: 1. */
+/* 1: nothing more is measured, and `is` says why. */
 int probe_gave_up(const probe_stream *s, probe_known *is);
 
 #endif

@@ -5,7 +5,7 @@
 #include "run/options.h"
 
 typedef struct record_options {
-    run_options run; /* of what it is asked for; run.shown.inputs: none is a camera */
+    run_options run; /* what it is asked for; without run.shown.inputs: a camera */
     const char *folder;
     int automatic;
 } record_options;

@@ -12,11 +12,11 @@ typedef struct compare {
     size_t bytes;
 } compare;
 
-/* Settings as replay_options_side has them, and of which primaries the frames are. 0; -1: not enough memory. Closing
- * takes what a failed opening left. */
+/* Settings as replay_options_side has them, and the frames' primaries. 0; -1: not enough memory. Closing takes what a
+ * failed opening left. */
 int compare_open(compare *c, const frame_options *right, uint32_t primaries);
 
-/* After `left` has mapped the frame: the right one, and the picture of both. -1 and a sentence. */
+/* After `left` has mapped the frame: maps the right one, and makes the picture of both. -1 and a sentence. */
 int compare_frame(compare *c, const frame_pipeline *left, const pupil_frame *frame, const char *const label[2],
                   pupil_why *why);
 

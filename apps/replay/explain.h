@@ -7,7 +7,7 @@
 #include "output/frame_log.h"
 #include "pupil/config.h"
 
-/* What was metered, what held the level, what clipped, and which option changes it. */
+/* Says what was metered, what limited the level, what clipped, and which option changes that. */
 void explain_frame(FILE *out, const frame_log_entry *entry, const pupil_config *config);
 
 #endif

@@ -10,11 +10,11 @@ int replay_options_parse(frame_options *options, int argc, char **argv, pupil_wh
 /* One of the two of --compare. */
 typedef struct replay_side {
     frame_options options;
-    const char *label; /* what its picture is called */
-    char words[1024];  /* what options point into */
+    const char *label; /* the label of its picture */
+    char words[1024];  /* `options` points into it */
 } replay_side;
 
-/* `options`, which were parsed, with those of options->compare[which] in addition. OPTIONS_RUN, or OPTIONS_USAGE and a
+/* The parsed `options`, and in addition those of options->compare[which]. OPTIONS_RUN, or OPTIONS_USAGE and a
  * sentence. */
 int replay_options_side(const frame_options *options, int which, replay_side *side, pupil_why *why);
 

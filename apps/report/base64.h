@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 /* Writes the rest of `in` to `out`, at most `most` bytes of it. 0; 1: there was more; -1: `in` cannot be read (errno).
- * Whether `out` could be written is the caller's to ask (ferror). */
+ * The caller checks ferror(out). */
 int base64_write(FILE *out, FILE *in, uint64_t most);
 
 #endif

@@ -7,10 +7,10 @@
 #include "output/frame_log.h"
 #include "thumbnail.h"
 
-/* How a page of ours begins: by this a report is known again. */
+/* The beginning of pupil's pages, by which a report is recognised. */
 #define REPORT_MARK "<!DOCTYPE html>\n<html lang=\"en\">\n<meta name=\"generator\" content=\"pupil\">\n"
 
-/* Texts are the caller's and may be NULL where there is nothing to say. */
+/* Texts are the caller's, and may be NULL. */
 typedef struct pupil_report_row {
     const char *label, *value, *unit;
     const char *command; /* that prints the value */
@@ -25,7 +25,7 @@ typedef struct pupil_report_page {
     size_t record_count;
     const pupil_report_row *settings;
     size_t setting_count;
-    const pupil_report_row *figures; /* besides those that the records give */
+    const pupil_report_row *figures; /* in addition to those from the records */
     size_t figure_count;
     uint32_t primaries, transfer; /* of the pictures: a pupil_primaries, a pupil_transfer */
 } pupil_report_page;
@@ -45,7 +45,7 @@ typedef struct report_sums {
     int sizes_differ;
 } report_sums;
 
-/* Text with everything that HTML would read as its own made harmless. */
+/* Writes text with HTML's special characters escaped. */
 void report_text(FILE *out, const char *text);
 
 void report_head(FILE *out, const pupil_report_page *page, const report_sums *sums);

@@ -18,7 +18,7 @@ int replay_report_frame(replay_report *report, const pupil_frame *frame, const p
                         const pupil_image_const *rgb8, const pupil_stats *stats, const frame_log_entry *record,
                         pupil_why *why);
 
-/* Writes the page, and says the run's figures in `summary`. The report is gone, whether that succeeded or not. */
+/* Writes the page, and the run's figures to `summary`. The report is freed, whether that succeeded or not. */
 int replay_report_finish(replay_report *report, const frame_log_entry *records, size_t count, char *summary,
                          size_t summary_bytes, pupil_why *why);
 void replay_report_discard(replay_report *report); /* takes NULL */

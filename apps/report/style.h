@@ -1,4 +1,4 @@
-/* apps/report/style.h: how a report looks: light or dark as the reader's system, one column on a phone. */
+/* apps/report/style.h: the style of a report: light or dark as the reader's system, one column on a phone. */
 #ifndef PUPIL_APPS_REPORT_STYLE_H
 #define PUPIL_APPS_REPORT_STYLE_H
 

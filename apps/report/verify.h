@@ -6,14 +6,14 @@
 
 typedef struct verify_figures {
     double log_average_error; /* largest relative error of the log-average against long double */
-    int code_error;           /* largest distance of a display sample, in codes, to the double reference */
+    int code_error;           /* largest difference, in codes, between a display sample and the double reference */
     uint64_t samples, off;    /* display samples compared, and how many differ */
-    unsigned frames, means;   /* frames compared; those of them whose log-average was */
+    unsigned frames, means;   /* frames compared; those whose log-average was compared, too */
 } verify_figures;
 
 /* Adds one frame: what went in, the curve that mapped it, the RGB8 that came out (of a mosaic perhaps at half its
- * size), the statistics. Light that the trim or the metering weights leave out of the mean is compared untrimmed;
- * weighted frames, and those of which only some rows are metered, are compared by the map alone. */
+ * size), the statistics. If the trim or the metering weights leave light out of the mean, the untrimmed mean is
+ * compared. Of weighted frames, and of those that are metered only in some rows, only the map is compared. */
 void verify_frame(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
                   const pupil_curve *curve, const pupil_image_const *out, const pupil_stats *stats);
 

@@ -10,11 +10,11 @@ typedef struct run_ask {
     run_options *options;
     session *session;
     run_sensor *sensor;
-    double gain_min, exposure_min_s; /* the camera's; 0: it is not steered */
+    double gain_min, exposure_min_s; /* the camera's; 0: not controlled */
     frame_log_entry last;            /* the latest frame's; its texts are constant */
 } run_ask;
 
-/* A run_control_answer, between two frames: the settings are those of the next one. */
+/* A run_control_answer, called between two frames: the next frame has the settings. */
 void run_ask_line(void *ask, const char *line, char *answer, size_t answer_bytes);
 
 #endif

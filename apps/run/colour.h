@@ -9,13 +9,13 @@
 typedef struct run_colour {
     pupil_white_balance colour;
     int began;
-    uint64_t reopened; /* when it began */
-    int own_picture;   /* the picture is to be the camera's own, so codes of Rec. 709's curve are read by the display's:
-                        * as players show them, and not by some codes lighter or darker */
+    uint64_t reopened; /* at the begin */
+    int own_picture;   /* the picture is to be the camera's own, so codes of Rec. 709's curve are read with the
+                        * display's curve: as players show them, not some codes lighter or darker */
 } run_colour;
 
-/* Gives a frame of a live source its coding; begins again with the first frame of a camera, which may be another one.
- * -1 and a sentence: what was asked for is none that its format can have. */
+/* Gives a frame of a live source its coding; begins again with the first frame of a reopened camera, which may be
+ * another one. -1 and a sentence: the frame's format cannot have what was asked for. */
 int run_colour_take(run_colour *c, const pupil_colour_options *options, const pupil_source *source, pupil_frame *frame,
                     pupil_why *why);
 

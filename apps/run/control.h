@@ -1,8 +1,9 @@
-/* apps/run/control.h: a Unix socket by which a running `pupil run` is asked and changed: lines in, a line of JSON out
- * for each, in order. It is of its user alone: mode 0600, and a peer with another user id (root aside) is refused.
+/* apps/run/control.h: a Unix socket to query and change a running `pupil run`: each line in is answered by a line of
+ * JSON, in order. Only its user may connect: mode 0600, and a peer with another user id (root aside) is refused.
  *
  * A client cannot hold up the frames: nothing here waits, at most CONTROL_LINES lines are answered between two frames,
- * and one who does not read its answers is not read from. Lines of over CONTROL_LINE_BYTES are refused and skipped.
+ * and no lines are read from a client that does not read its answers. Lines longer than CONTROL_LINE_BYTES are refused
+ * and skipped.
  *
  * Threads: the one that opens it.
  */
@@ -17,14 +18,14 @@ enum { CONTROL_CLIENTS = 8, CONTROL_LINES = 32, CONTROL_LINE_BYTES = 512, CONTRO
 
 typedef struct run_control run_control;
 
-/* One line without its end, into an answer without one. */
+/* Answers one line; both are without line ends. */
 typedef void run_control_answer(void *context, const char *line, char *answer, size_t answer_bytes);
 
-/* A socket that is there is replaced where nobody listens to it, as after a kill. 0, or -1 and a sentence. */
+/* An existing socket is replaced if nobody listens to it, as after a kill. 0, or -1 and a sentence. */
 int run_control_open(run_control **control, const char *path, run_control_answer *answer, void *context,
                      pupil_why *why);
 
-/* Between frames: what has come is answered. */
+/* Between frames: answers the lines that have come. */
 void run_control_serve(run_control *control);
 
 /* Removes the socket. NULL is allowed. */

@@ -1,8 +1,9 @@
-/* apps/run/notify.h: what a service manager learns of a run, by the protocol of sd_notify(3): a datagram to the socket
- * that $NOTIFY_SOCKET names. READY=1 when the exposure has converged, STATUS= when the state changes, WATCHDOG=1 while
- * frames come (at most two in the time of $WATCHDOG_USEC), STOPPING=1 at the end.
+/* apps/run/notify.h: notifies a service manager of a run's state, by the protocol of sd_notify(3): a datagram to the
+ * socket that $NOTIFY_SOCKET names. READY=1 when the exposure has converged, STATUS= when the state changes, WATCHDOG=1
+ * while frames come (at most two in the time of $WATCHDOG_USEC), STOPPING=1 at the end.
  *
- * Nothing here waits: what the socket does not take at once is left out, but for READY=1, which the next frame sends.
+ * Nothing here waits: a message that the socket does not take at once is dropped, except READY=1, which is sent again
+ * with the next frame.
  */
 #ifndef PUPIL_APPS_RUN_NOTIFY_H
 #define PUPIL_APPS_RUN_NOTIFY_H
@@ -16,11 +17,11 @@ typedef struct run_notify {
     int fd;              /* -1: nobody listens, and all calls do nothing */
     int is_ready;        /* READY=1 was sent */
     int64_t watchdog_ns; /* between two WATCHDOG=1; 0: none is expected */
-    int64_t alive_ns;    /* of the last one */
-    char status[160];    /* that was sent last, state and reason alone */
+    int64_t alive_ns;    /* of the last WATCHDOG=1 */
+    char status[160];    /* sent last, only state and reason */
 } run_notify;
 
-/* By the environment. Where it names a socket that cannot be reached, `warning` is a sentence, else empty. */
+/* By the environment. If it names a socket that cannot be reached, `warning` is a sentence, else empty. */
 void run_notify_open(run_notify *n, pupil_why *warning);
 
 /* After each frame; by CLOCK_MONOTONIC. */

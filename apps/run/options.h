@@ -23,25 +23,26 @@ typedef enum run_curve {
 #define RUN_MOST_CAMERAS 8
 
 typedef struct run_options {
-    frame_options shown; /* as of a replay; its only input is the camera */
+    frame_options shown; /* as for a replay; the camera is the only input */
     const char *device;  /* NULL: the first camera */
     const char *device_name[RUN_MOST_CAMERAS];
-    uint32_t devices;                       /* that were named; with more than one they share their exposure */
-    double camera_ev[RUN_MOST_CAMERAS - 1]; /* stops that those after the first are more sensitive */
-    uint32_t camera_evs;                    /* of these that were given */
+    uint32_t devices;                       /* number of named devices; several share their exposure */
+    double camera_ev[RUN_MOST_CAMERAS - 1]; /* by how many stops those after the first are more sensitive */
+    uint32_t camera_evs;                    /* how many of these were given */
     pupil_live_options live;
     pupil_colour_options colour; /* of raw frames */
     uint32_t mode, curve;
     double exposure_s, gain;         /* manual; 0: not */
-    double exposure_max_s, gain_max; /* the most that is asked of the camera; 0: what it has */
-    const char *control;             /* a socket, by which the run is changed; NULL: none */
+    double exposure_max_s, gain_max; /* the most that is asked of the camera; 0: its own limit */
+    const char *control;             /* a socket to change the run; NULL: none */
     double night_ev, day_ev;         /* of scene light */
-    double day_night_s;              /* for which it has to be beyond them; 0: nobody asks */
-    int locked;                      /* by that socket: exposure time and gain are held, too */
+    double day_night_s;              /* how long the light has to be beyond them; 0: not looked for */
+    int locked;                      /* by `control`'s socket: exposure time and gain are held, too */
     const char *resume;              /* a file with the exposure to begin with; NULL: the usual one */
-    int begins_cold;                 /* without that of the last run */
+    int begins_cold;                 /* not with the exposure of the last run */
     double seconds;                  /* to run; 0: until it is stopped */
-    int mains_off;                   /* live.mains_hz is 0 because there are none; else it is found from the frames */
+    int mains_off;                   /* live.mains_hz is 0 because there is no mains flicker; else 0 means that it is
+                                      * found from the frames */
     int any_frame_rate;              /* in the dark the exposure may be longer than a frame */
     int row_gains;                   /* flicker bands in exposures below a period are corrected row by row */
     double readout_s;                /* from the first row to the last; 0: the driver's */

@@ -4,7 +4,7 @@
 
 #include "live/live.h"
 
-/* What run_main is; system NULL: the machine's. Once a process. */
+/* As run_main; system NULL: the machine's. Once a process. */
 int run_on(const pupil_live_system *system, int argc, char **argv);
 
 #endif

@@ -1,10 +1,10 @@
-/* apps/split/split_file.h: the files of pupil meter, adapt and map: a part, with the statistics of some frames of an
- * input, and curves, with what maps each frame.
+/* apps/split/split_file.h: the files of pupil meter, adapt and map: a part has the statistics of some frames of an
+ * input; curves have what maps each frame.
  *
  * On disk: a split_header, then a record for each frame: its info and a struct of the library, as words of 64 bits,
- * each as a variable number of bytes, where a run of zeros takes two; of a part also the frame's name. Complete or
- * absent (file/common/pending.h). Read only by a program of the same version on the same kind of machine: the header
- * says so. Whole, header and records, or refused when it is opened.
+ * each in a variable number of bytes, and a run of zeros in two; in a part also the frame's name. Complete or absent
+ * (file/common/pending.h). The header allows only a program of the same version on the same kind of machine to read it.
+ * A file with a damaged header or record is refused when it is opened.
  */
 #ifndef PUPIL_APPS_SPLIT_SPLIT_FILE_H
 #define PUPIL_APPS_SPLIT_SPLIT_FILE_H
@@ -26,16 +26,16 @@ typedef struct split_header {
     uint64_t digest;      /* ... and their FNV-1a */
     uint64_t own_digest;  /* FNV-1a of this header, with 0 here */
     uint64_t input_names; /* FNV-1a of the names of all inputs, without their folders */
-    uint64_t input_bytes; /* of those that are files, together */
+    uint64_t input_bytes; /* of the inputs that are files, together */
     uint64_t input_count;
-    uint32_t is_last;  /* the input ends behind these frames */
+    uint32_t is_last;  /* the input ends after these frames */
     uint32_t dither;   /* frame_options.dither */
     uint32_t has_unit; /* frame `unit_frame`, the first with light, has set unit_stops (frame/any_scale.h) */
     int32_t unit_stops;
     uint64_t unit_frame;
     double fps;
     char input[256];     /* the first input, for people */
-    pupil_config config; /* of the metering; of curves, of the adaptation, too */
+    pupil_config config; /* of the metering; in curves also of the adaptation */
 } split_header;
 
 typedef struct split_frame {
@@ -53,24 +53,24 @@ typedef struct split_file {
     split_header header;
     const char *path;
     FILE *stream;
-    pupil_pending pending;  /* of one that is written */
+    pupil_pending pending;  /* of a file that is written */
     uint64_t frames;        /* written or read */
-    uint64_t bytes, digest; /* the digest of one that is written */
+    uint64_t bytes, digest; /* the digest of a file that is written */
     int writes;
 } split_file;
 
-/* A file to be written; the header's settings are the caller's. 0, or -1 and a sentence that names the path. */
+/* Opens a file to write; the header's settings are the caller's. 0, or -1 and a sentence that names the path. */
 int split_file_create(split_file *f, const char *path, int overwrite, pupil_why *why);
 int split_file_write(split_file *f, const split_frame *frame, pupil_why *why);
 /* Puts it in its place. */
 int split_file_finish(split_file *f, pupil_why *why);
 
-/* A file to be read, of this kind. */
+/* Opens a file of this kind to read. */
 int split_file_open(split_file *f, const char *path, const char *kind, pupil_why *why);
 /* The next frame. */
 int split_file_read(split_file *f, split_frame *frame, pupil_why *why);
 
-/* Closes it, and leaves nothing of what is not finished. Safe on zeros and twice. */
+/* Closes the file, and removes it if it is not finished. Takes a zeroed struct, and a second call. */
 void split_file_close(split_file *f);
 
 /* FNV-1a, 64 bits, continued. */

@@ -1,6 +1,6 @@
-/* apps/split/split_input.h: the frames of a range, as pupil replay would have them there. What replay knows from frames
- * before (the unit of the light, frame/any_scale.h) is found from the input's first frame with light. An input with
- * frames that are a sensor's noise is refused: there replay goes on from the first of them. */
+/* apps/split/split_input.h: the frames of a range, as pupil replay would have them. What replay knows from earlier
+ * frames (the unit of the light, frame/any_scale.h) is found from the input's first frame with light. An input with
+ * frames of sensor noise is refused: there the scale of a replay's later frames depends on the noise. */
 #ifndef PUPIL_APPS_SPLIT_SPLIT_INPUT_H
 #define PUPIL_APPS_SPLIT_SPLIT_INPUT_H
 
@@ -14,7 +14,7 @@ typedef struct split_input {
     pupil_source *source;
     any_scale scale;
     uint64_t number; /* of the next frame */
-    int has_unit;    /* as split_header has these */
+    int has_unit;    /* as in split_header */
     int unit_stops;
     uint64_t unit_frame;
     int is_at_end; /* the input has no more frames */
@@ -28,21 +28,22 @@ int split_input_open(split_input *s, split_options *options, const split_header 
 int split_input_next(split_input *s, pupil_frame *frame, pupil_why *why);
 void split_input_done(split_input *s, pupil_frame *frame);
 
-/* FNV-1a of some rows of a frame: another picture has another one. */
+/* FNV-1a of some rows of a frame: different for another picture. */
 uint64_t split_pixels(const pupil_image_const *image);
 
-/* What a header says of the input. */
+/* Fills in the header's fields of the input. */
 void split_input_describe(const split_input *s, split_header *header);
 
 void split_input_close(split_input *s);
 
-/* The progress line, where it is due: so many frames are done, or this one is next. */
+/* The progress line, if it is due: the number of frames done, or of the next one. */
 void split_show(progress *line, uint64_t frame);
 
 /* "metered 100 frames in 2.0 s", without the end of the line. */
 void split_tell(const char *what, uint64_t frames, double began_s);
 
-/* What the three commands end with, after progress was cleared: why it failed, or nothing. Returns the exit status. */
+/* The end of the three commands, after progress was cleared: prints why it failed, or nothing. Returns the exit
+ * status. */
 int split_end(const char *command, int failed, pupil_why *why);
 
 #endif

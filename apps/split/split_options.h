@@ -18,10 +18,10 @@ typedef struct split_options {
 int meter_options_parse(split_options *o, int argc, char **argv, pupil_why *why);
 int map_options_parse(split_options *o, int argc, char **argv, pupil_why *why);
 
-/* `config`: where the settings begin; NULL: only the parts are looked for. */
+/* `config`: the settings to begin with; NULL: only the parts are looked for. */
 int adapt_options_parse(split_options *o, int argc, char **argv, const pupil_config *config, pupil_why *why);
 
-/* Outputs that would replace an input or each other; "-" is no output here but of --stats. */
+/* Refuses outputs that would replace an input or each other; "-" is allowed only for --stats. */
 int split_options_check_paths(const split_options *o, pupil_why *why);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "pupil/config.h"
 
-/* 1: the key has changed a setting, and `said` has its name; 0: it is none of these. Keys as of window.h. */
+/* 1: the key has changed a setting, and `said` names it; 0: the key changes no setting. Keys as of window.h. */
 int view_keys_take(int key, pupil_config *config, char *said, size_t said_bytes);
 
 /* "SECONDS, TAU 0.3 AND 0.9 S", "FORMULA 2, WEIGHT 0.05". */

@@ -13,7 +13,7 @@ typedef uint32_t view_colour; /* 0xRRGGBBAA, display codes */
 view_paint *view_paint_open(const gl_calls *gl, pupil_why *why);
 void view_paint_close(view_paint *p);
 
-/* All that is painted between begin and end goes over the framebuffer that is bound, in that order. */
+/* Everything between begin and end is painted over the bound framebuffer, in that order. */
 void view_paint_begin(view_paint *p, float width, float height);
 void view_paint_end(view_paint *p);
 

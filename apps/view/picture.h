@@ -1,4 +1,4 @@
-/* apps/view/picture.h: a picture that the CPU mapped, in the window: whole, in the middle, its shape kept. */
+/* apps/view/picture.h: shows a picture that the CPU mapped in the window: whole, centred, with its aspect ratio. */
 #ifndef PUPIL_APPS_VIEW_PICTURE_H
 #define PUPIL_APPS_VIEW_PICTURE_H
 
@@ -18,7 +18,7 @@ void view_picture_close(view_picture *p);
 /* Takes over the pixels of an RGB8 image without gaps. */
 void view_picture_take(view_picture *p, const pupil_image_const *rgb8);
 
-/* The part of the window's width from..to, 0..1, of a window of that size. */
+/* Draws the part from..to, 0..1, of the window's width, in a window of that size. */
 void view_picture_draw(const view_picture *p, uint32_t width, uint32_t height, float from, float to);
 
 #endif

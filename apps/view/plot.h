@@ -5,7 +5,7 @@
 #include "output/frame_log.h"
 #include "paint.h"
 
-enum { VIEW_PLOT_MOST = 4096 }; /* ten seconds at 400 frames a second; of faster ones it shows less */
+enum { VIEW_PLOT_MOST = 4096 }; /* ten seconds at 400 frames a second; less at faster rates */
 
 typedef struct view_plot_point {
     double time_s, metered_ev, adapted_ev, level, aimed_level;

@@ -1,7 +1,7 @@
 /* apps/view/view.h: the window of --view: the result at the source's pace, keys, a plot of the level.
  *
- * Frames come late where reading or mapping them takes longer than they last: they are metered all the same, and some
- * of them are not shown. Every frame's level is what it is without a window.
+ * If reading or mapping takes longer than the frame period, frames come late: all are metered, but some are not shown.
+ * Every frame's level is the same as without a window.
  *
  * Threads: the one that opens it.
  */
@@ -15,7 +15,7 @@
 
 typedef struct view view;
 
-/* What is viewed; stays the caller's. Keys change options->config, and retune the pipeline. */
+/* What is viewed; the caller keeps it. Keys change options->config, and retune the pipeline. */
 typedef struct view_of {
     frame_options *options;
     frame_pipeline *pipeline;
@@ -25,18 +25,18 @@ typedef struct view_of {
 
 enum { VIEW_ON = 0, VIEW_QUIT = 1 };
 
-/* A window for pictures of the first frame's shape, and in its context the pipeline's GPU, where it is one or --gles
+/* A window for pictures of the first frame's shape; the pipeline's GPU uses its context, if that is of a GPU or --gles
  * asks for it. -1 and a sentence: there is no display, or no OpenGL ES 3. */
 int view_open(view **v, const view_of *of, const pupil_image_const *first, pupil_why *why);
 
 /* frame_pipeline_close comes first. NULL is allowed. */
 void view_close(view *v);
 
-/* The frame that the pipeline has just mapped, and its entry: shown when its time has come, and as long as the viewer
- * pauses. VIEW_QUIT: the viewer, or Ctrl-C, has ended it. */
+/* Shows the frame that the pipeline has just mapped when its time has come, and as long as the viewer pauses.
+ * VIEW_QUIT: the viewer, or Ctrl-C, has ended the run. */
 int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry);
 
-/* The last frame stays until the viewer ends it. */
+/* Shows the last frame until the viewer quits. */
 void view_stay(view *v);
 
 #endif

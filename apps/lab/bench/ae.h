@@ -8,12 +8,12 @@
 typedef struct bench_ae_row {
     const fixture_controller *law;
     const char *test;     /* what is tested ... */
-    const char *of;       /* ... in words, where the numbers do not say it; "" */
+    const char *of;       /* ... in words, if the numbers do not say it; "" */
     const char *unit;     /* of value and limit: frames or EV */
     const char *gain_law; /* of the camera */
     uint32_t delay, believed;
     double step_ev; /* NAN: no step */
-    double value;   /* NAN: it never got there */
+    double value;   /* NAN: never reached */
     double limit;
     int pass;
 } bench_ae_row;
@@ -21,8 +21,8 @@ typedef struct bench_ae_row {
 typedef struct bench_ae {
     const fixture_controller *law; /* NULL: all */
     const char *test;              /* NULL: all */
-    const char *plot;              /* a file instead; NULL */
-    int overwrite;                 /* it is replaced */
+    const char *plot;              /* a file to plot to instead; NULL */
+    int overwrite;                 /* the file is replaced */
     void (*see)(void *context, const bench_ae_row *row);
     void *context;
     fixture_loop_frame *frame; /* BENCH_AE_FRAMES */
@@ -31,7 +31,7 @@ typedef struct bench_ae {
 
 enum { BENCH_AE_FRAMES = 2000, BENCH_AE_TESTS = 11 };
 
-/* `of` of what pupil does without looking whether light is a strobe. */
+/* `of` of pupil without its test for a strobe. */
 #define BENCH_AE_NO_FLASH "flash_frames 0"
 
 extern const char *const bench_ae_tests[BENCH_AE_TESTS];
@@ -39,18 +39,18 @@ extern const char *const bench_ae_tests[BENCH_AE_TESTS];
 /* Runs them in order and shows each row. 0, or -1: interrupted, or `why` has a sentence. */
 int bench_ae_run(bench_ae *b);
 
-/* Draws the answers of all loops to a step either way into b->plot. The same. */
+/* Draws the answers of all loops to a step up and a step down into b->plot. Returns the same. */
 int bench_ae_plot(bench_ae *b);
 
 /* --- between the files of the tests --- */
 
-/* What an owner who knows nothing but the camera's data sheet has: pupil's own default for the delay; the published
- * laws are given the right one. */
+/* The knowledge of an owner who has only the camera's data sheet: pupil has its own default for the delay; the
+ * published laws are given the right delay. */
 void bench_ae_begin(fixture_loop *loop, const fixture_controller *law, uint32_t delay, fixture_gain_law gain);
 /* The script, then the loop; 0, or -1 and a sentence in b->why. */
 int bench_ae_loop(bench_ae *b, fixture_loop *loop, size_t frames, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-/* One row; value is NAN for what never was. */
+/* One row; value is NAN if it was never reached. */
 void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev,
                    double value, double limit);
 

@@ -6,9 +6,10 @@
 
 enum { BENCH_CAMERA_CHOICES = 9 };
 
-/* What is to be raced, in this order; 0, or -1 and a sentence on stderr. Closing takes what a failed opening left. */
+/* The runners to be raced, in this order; 0, or -1 and a sentence on stderr. Closing takes what a failed opening
+ * left. */
 int bench_camera_open(const bench_options *o, workers *crew, uint32_t level, bench_runner runner[BENCH_CAMERA_CHOICES]);
-/* What came of it. */
+/* The results. */
 int bench_camera_judge(const bench_runner runner[BENCH_CAMERA_CHOICES], bench_choice choice[BENCH_CAMERA_CHOICES]);
 void bench_camera_close(void);
 

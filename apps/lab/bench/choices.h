@@ -1,4 +1,4 @@
-/* apps/lab/bench/choices.h: what one can choose, each with its speed and its error, to be drawn. */
+/* apps/lab/bench/choices.h: the choices of a user, each with its speed and its error, to be drawn. */
 #ifndef PUPIL_APPS_LAB_BENCH_CHOICES_H
 #define PUPIL_APPS_LAB_BENCH_CHOICES_H
 
@@ -20,8 +20,8 @@ typedef struct bench_choice {
     char name[64];
     bench_group group;
     double ns_per_px;
-    double error; /* EV, the share of samples that are off, or how many codes in the mean; 0: exact */
-    int code_max; /* how far off they are at most */
+    double error; /* EV, the share of samples that differ, or the mean in codes; 0: exact */
+    int code_max; /* the largest difference */
 } bench_choice;
 
 enum { BENCH_MOST_CHOICES = 32 };

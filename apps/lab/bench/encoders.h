@@ -1,5 +1,5 @@
 /* apps/lab/bench/encoders.h: ways from linear light to 8-bit sRGB codes, as plain C for the compiler's vectors: two
- * that are exact, and approximations that exist here alone, to see what being exact costs. */
+ * that are exact, and approximations that exist only here, to show what exactness costs. */
 #ifndef PUPIL_APPS_LAB_BENCH_ENCODERS_H
 #define PUPIL_APPS_LAB_BENCH_ENCODERS_H
 
@@ -30,7 +30,7 @@ enum { BENCH_ENCODERS = 6 };
 /* With AVX2 where this CPU has it. */
 void bench_encoders_open(bench_tables *t, bench_encoder list[BENCH_ENCODERS]);
 
-/* What all are held against: IEC 61966-2-1 in double, rounded half up. */
+/* The reference for all: IEC 61966-2-1 in double, rounded half up. */
 int bench_code_of(double light);
 
 #endif

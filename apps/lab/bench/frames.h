@@ -1,5 +1,5 @@
-/* apps/lab/bench/frames.h: frames for the kernels' benchmark: an easy one, like what a camera sees, and a hard one,
- * with what none should deliver. The same bytes in every run. */
+/* apps/lab/bench/frames.h: frames for the kernels' benchmark: an easy one, as a camera delivers it, and a hard one,
+ * with values that no camera should deliver. The same bytes in every run. */
 #ifndef PUPIL_APPS_LAB_BENCH_FRAMES_H
 #define PUPIL_APPS_LAB_BENCH_FRAMES_H
 
@@ -11,8 +11,8 @@
  * memory. The format can have the size. */
 pupil_image_const bench_frame(uint32_t pixel, uint32_t width, uint32_t height, int hard);
 
-/* The easy one under lamps of modulation 0.3, two and a half periods of which pass from the first row to the last;
- * turn: their phase on the first row, 0..1. */
+/* The easy frame under lamps of modulation 0.3, with two and a half periods from the first row to the last; turn: their
+ * phase on the first row, 0..1. */
 pupil_image_const bench_lamp_frame(uint32_t pixel, uint32_t width, uint32_t height, double turn);
 
 /* Bytes of all planes of a frame without gaps. */

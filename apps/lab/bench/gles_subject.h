@@ -1,5 +1,4 @@
-/* apps/lab/bench/gles_subject.h: a frame with what is run on it by the GPU and, for comparison, by one thread of the
- * CPU. */
+/* apps/lab/bench/gles_subject.h: a frame, and what the GPU and, for comparison, one CPU thread run on it. */
 #ifndef PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
 #define PUPIL_APPS_LAB_BENCH_GLES_SUBJECT_H
 
@@ -10,9 +9,9 @@
 
 typedef enum bench_part {
     BENCH_GLES_COPY = 0,  /* a plain copy of as many bytes: texture to texture, memory to memory */
-    BENCH_GLES_UPLOAD,    /* into the GPU's textures; the CPU has nothing of the kind */
+    BENCH_GLES_UPLOAD,    /* into the GPU's textures; nothing on the CPU */
     BENCH_GLES_METER,     /* without a histogram */
-    BENCH_GLES_HISTOGRAM, /* with it; where the context can */
+    BENCH_GLES_HISTOGRAM, /* with it, if the context can */
     BENCH_GLES_MAP,
     BENCH_GLES_FRAME, /* upload, meter, map; on the CPU meter, then map */
     BENCH_GLES_PARTS
@@ -23,7 +22,7 @@ extern const char *const bench_part_names[BENCH_GLES_PARTS];
 typedef struct bench_gles_error {
     double log_average; /* relative, against the CPU's */
     int code;           /* largest distance of a display sample to the CPU's, codes */
-    double off;         /* share of samples that are not the CPU's */
+    double off;         /* share of samples that differ from the CPU's */
 } bench_gles_error;
 
 typedef struct bench_gles_subject {
@@ -41,7 +40,7 @@ typedef struct bench_gles_subject {
     GLuint framebuffer, renderbuffer;      /* what the GPU maps to */
     GLuint texture[2], copied_framebuffer; /* the plain copy's */
     GLsizei copy_width, copy_height;
-    int error; /* the first of a library's call */
+    int error; /* the first error of a library call */
 } bench_gles_subject;
 
 /* The easy frame of a format (bench_frames.h) in the current context. 0, or -1 and a sentence. Closing takes what a
@@ -50,8 +49,8 @@ int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_pr
                     uint32_t pixel, uint32_t width, uint32_t height, pupil_why *why);
 void bench_gles_close(bench_gles_subject *s);
 
-/* What runs a part; NULL: there is no such thing. The context is the subject. On the GPU it is as many frames as the
- * subject says, on the CPU one. */
+/* The function that runs a part; NULL: there is none. The context is the subject. The GPU runs as many frames as the
+ * subject says, the CPU one. */
 typedef void bench_gles_run(void *subject);
 bench_gles_run *bench_gles_gpu(const bench_gles_subject *s, bench_part part);
 bench_gles_run *bench_gles_cpu(bench_part part);

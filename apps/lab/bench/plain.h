@@ -1,5 +1,5 @@
-/* apps/lab/bench/plain.h: what one writes without a library: a loop with logf and powf. A source of it is compiled as
- * it is, another one with -O3 -ffast-math. */
+/* apps/lab/bench/plain.h: the code that one writes without a library: a loop with logf and powf. One source is compiled
+ * with the usual flags, another with -O3 -ffast-math. */
 #ifndef PUPIL_APPS_LAB_BENCH_PLAIN_H
 #define PUPIL_APPS_LAB_BENCH_PLAIN_H
 

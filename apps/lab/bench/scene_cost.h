@@ -1,4 +1,4 @@
-/* apps/lab/bench/scene_cost.h: what `pupil bench scene` finds out of one scene. */
+/* apps/lab/bench/scene_cost.h: what `pupil bench scene` measures of one scene. */
 #ifndef PUPIL_APPS_LAB_BENCH_SCENE_COST_H
 #define PUPIL_APPS_LAB_BENCH_SCENE_COST_H
 
@@ -20,12 +20,12 @@ typedef struct bench_scene {
     uint32_t width, height;
     unsigned threads;
     uint64_t frames, lights;
-    double load_s, prepare_s;          /* the recipe to a tree; the picture of every light, in one pass */
+    double load_s, prepare_s;          /* from the recipe to a tree; the pictures of all lights, in one pass */
     double light_s[BENCH_MOST_LIGHTS]; /* the picture of each alone */
-    double frames_s, sums_s;           /* all frames as they are made; their sums alone, once more */
-    bench_sums warm, cold;             /* of all lights; a memcpy of one picture and a read of all */
+    double frames_s, sums_s;           /* making all frames; making their sums alone, again */
+    bench_sums warm, cold;             /* sums of all lights; a memcpy of one picture and a read of all */
     uint64_t image_bytes, geometry_bytes;
-    uint64_t peak_bytes; /* of the process, once all frames were made, above what it began with */
+    uint64_t peak_bytes; /* growth of the process's peak memory until all frames were made */
     int done;
     pupil_why why;
 } bench_scene;

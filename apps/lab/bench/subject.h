@@ -26,7 +26,7 @@ typedef struct bench_options {
     const char *plot; /* a file, or NULL */
     uint32_t width, height;
     unsigned threads;
-    unsigned rounds; /* 0: as many as what is measured needs */
+    unsigned rounds; /* 0: as many as the measurement needs */
     int peers, worst, row_gains, warm, overwrite, json, quiet;
 } bench_options;
 
@@ -35,7 +35,8 @@ typedef enum bench_which {
     BENCH_MAP,
     BENCH_FUSED,       /* both in one pass */
     BENCH_EXACT,       /* both, one after the other, without a histogram */
-    BENCH_CONFIG,      /* what pupil_config_default gives: exact, with the histogram that a following white needs */
+    BENCH_CONFIG,      /* what pupil_config_default gives: exact, with the histogram that a white point which follows
+                        * needs */
     BENCH_WHITE,       /* fused, with that histogram */
     BENCH_WHITE_EVERY, /* the same of every pixel: histogram_step = 1 */
     BENCH_CURVE,       /* fused, by a table of knots: PUPIL_CURVE_ADJUST */
@@ -49,7 +50,7 @@ extern const char *const bench_level_names[PUPIL_LEVEL_COUNT];
 typedef struct bench_subject { /* what all of a format's runners share */
     workers *crew;
     pupil_image_const in;
-    pupil_coding coding; /* of in, where the light is not the usual */
+    pupil_coding coding; /* of `in`, if its light is not the usual */
     pupil_image out;
     unsigned char *copy; /* as large as `in` */
     size_t bytes;        /* of all its planes, which are contiguous */
@@ -78,17 +79,17 @@ int bench_kernel_open(bench_kernel *k, bench_subject *s, bench_which which, uint
 /* The level that pupil chooses by itself here. */
 uint32_t bench_best_level(void);
 
-/* To be raced: the context is a bench_kernel; for the others the bench_subject. */
+/* To be raced: the context of the first is a bench_kernel, of the others the bench_subject. */
 void bench_kernel_run(void *context);
 void bench_read_run(void *context);
 void bench_copy_run(void *context);
 
-/* The errors of a level on a frame like the one that is timed, or on a hard one; small, for the reference is slow. Of
- * RGB8, at half the size where `step` is 2. light: as in the options. */
+/* The errors of a level on a frame like the timed one, or on a hard one; small, because the reference is slow. The
+ * output is RGB8, at half the size if `step` is 2. light: as in the options. */
 int bench_kernel_error(uint32_t level, uint32_t pixel, uint32_t light, uint32_t step, int hard,
                        verify_figures *figures);
 
-/* Whether bench_levels measures a format: the one that is named, or all that can have such an output. */
+/* Whether bench_levels measures a format: the named one, or each that can have the named output. */
 int bench_is_measured(const bench_options *o, const bench_format *f);
 
 /* What the modes of `pupil bench kernels` do; the exit status. */

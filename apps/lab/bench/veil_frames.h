@@ -13,7 +13,8 @@ typedef struct veil_frames_options {
     const char *picture; /* NULL: an even frame with grain */
 } veil_frames_options;
 
-/* Measures and prints: 0; -1: not enough memory, or interrupted; 1: the picture cannot be read, which was said. */
+/* Measures and prints: 0; -1: not enough memory, or interrupted; 1: the picture cannot be read, and a sentence was
+ * printed. */
 int veil_frames_run(const veil_frames_options *options, progress *shown);
 
 #endif

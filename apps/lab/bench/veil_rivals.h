@@ -1,5 +1,5 @@
-/* apps/lab/bench/veil_rivals.h: what one might use in the place of a series: each adds up the bells of some lights,
- * each a Gaussian that is cut at four standard deviations, in the middles of pixels. */
+/* apps/lab/bench/veil_rivals.h: what one might use instead of a series. Each sums the bells of some lights at pixel
+ * centres; a bell is a Gaussian that is cut off at four standard deviations. */
 #ifndef PUPIL_APPS_LAB_BENCH_VEIL_RIVALS_H
 #define PUPIL_APPS_LAB_BENCH_VEIL_RIVALS_H
 
@@ -15,14 +15,14 @@ typedef struct veil_lights {
     size_t count;
 } veil_lights;
 
-/* Light by light, in the square that it reaches: 3 floats a pixel. */
+/* Light by light, each in the square that its bell covers: 3 floats a pixel. */
 void veil_direct(const veil_lights *lights, float *rgb);
 
-/* The same in double precision, one channel: what all are compared with. */
+/* The same in double precision, one channel: the reference for all. */
 void veil_exact(const veil_lights *lights, int channel, double *sum);
 
 /* As bloom is made in games: the lights as pixels, halved seven times (a tent of 1 3 3 1), each level enlarged
- * bilinearly to the next one and added by weights that are fitted to the bell by least squares. */
+ * bilinearly to the next one and added with weights fitted to the bell by least squares. */
 typedef struct veil_pyramid veil_pyramid;
 veil_pyramid *veil_pyramid_open(uint32_t side, double sigma_px); /* NULL: not enough memory */
 void veil_pyramid_run(veil_pyramid *p, const veil_lights *lights, float *rgb);

@@ -15,7 +15,7 @@ typedef struct sim_options {
     double duration_s; /* 0: by the script */
     uint32_t believed; /* delay; 0: the camera's own */
     uint32_t mains_hz; /* that pupil is given, or PUPIL_SENSOR_MAINS_AUTO */
-    uint32_t threads;  /* for --random; 0: one a processor */
+    uint32_t threads;  /* for --random; 0: one for each processor */
     const char *camera, *scene, *stats, *plot;
     const char *key_at; /* NULL: one key */
     float *luminance;   /* of the scene */
@@ -37,9 +37,9 @@ int sim_stats(const sim_run *run, pupil_why *why);
 int sim_plot(const sim_run *run, pupil_why *why);
 void sim_summary(const sim_run *run, FILE *out);
 
-/* setup.c. The controller's config, once its camera is there: what the options say of it. */
+/* setup.c. The controller's config, once its camera is there, as the options say. */
 void sim_configure(sim_options *o);
-/* How long the loop runs, and from which frame on nothing happens any more. */
+/* How many frames the loop runs, and the frame after which there are no more events. */
 size_t sim_frames(const sim_options *o, size_t *event);
 enum { SIM_REST_FRAMES = 60 }; /* at the end of a run, after the last event */
 
@@ -48,11 +48,11 @@ int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why);
 /* Many of them; the exit status. */
 int sim_random(const sim_options *o);
 
-/* random_table.c: what became of the cameras with each fault. Row FIXTURE_FAULTS_AND_LIGHTS has those without any, the
- * one after it all cameras. */
+/* random_table.c: the results of the cameras with each fault. Row FIXTURE_FAULTS_AND_LIGHTS has the cameras without a
+ * fault, the row after it all cameras. */
 typedef struct sim_fault_row {
     uint64_t cameras, wrong, excused;
-    double shown_ev, sensor_ev; /* the worst of those within reach, and of all for the sensor */
+    double shown_ev, sensor_ev; /* the worst of those within reach, and the worst of all for the sensor */
 } sim_fault_row;
 typedef struct sim_fault_table {
     sim_fault_row row[FIXTURE_FAULTS_AND_LIGHTS + 2];

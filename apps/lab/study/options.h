@@ -11,10 +11,10 @@ typedef struct study_options {
     const char *out;        /* a folder; NULL: nothing is written */
     const char *regression; /* the original table; NULL: the study */
     uint32_t width, height; /* 0: 600x600 */
-    unsigned threads;       /* 0: one a processor */
+    unsigned threads;       /* 0: one for each processor */
     int check, float32, overwrite, quiet;
     int look;         /* `study look`: how the picture looks while it adapts */
-    double eye_cd_m2; /* of a luminance of 1, for that */
+    double eye_cd_m2; /* of a luminance of 1, for `look` */
     struct {
         unsigned which_case, formula; /* from 0 */
     } video[STUDY_MOST_VIDEOS];

@@ -1,12 +1,12 @@
-/* apps/lab/study/study.h: the study of temporal tone mapping that pupil grew from, made again: four light scenarios,
- * four formulas, twenty weights, and the frame at which the picture has arrived. docs/study.md explains it.
+/* apps/lab/study/study.h: repeats the study of temporal tone mapping that pupil grew from: four light scenarios, four
+ * formulas, twenty weights, and the frame at which the picture has arrived. docs/study.md explains it.
  *
  *     images -> lights (their log-averages) -> runs (the state over time) -> u* (where the picture has arrived)
  *            -> cells (the tables) -> acceptance
  *
- * u = ln(X / X_target) of the exposure scale X = key / L is the error of the state: positive is too bright.
- * A cell is the first frame after the last change of light whose 8-bit picture is within a Manhattan distance D of the
- * picture that the run of weight 1 ends with.
+ * u = ln(X / X_target) of the exposure scale X = key / L is the error of the state: positive is too bright. A cell is a
+ * frame: the first one after the last change of light whose 8-bit picture is within a Manhattan distance D of the last
+ * picture of the run of weight 1.
  */
 #ifndef PUPIL_APPS_LAB_STUDY_STUDY_H
 #define PUPIL_APPS_LAB_STUDY_STUDY_H
@@ -36,23 +36,23 @@ typedef struct study_images {
     float *state[2]; /* off, on: linear RGB, tightly packed, of half precision (study_images_round) */
 } study_images;
 
-/* study_scene.c. The scene of a name: "spheres", two lamps over shaded spheres by formula, or a recipe of the scene
+/* study_scene.c. The scene of a name: "spheres", two lamps over spheres shaded by a formula, or a recipe of the scene
  * renderer, whose darkest and brightest frames are the two states; 600x600 unless given otherwise. 0, or -1 and a
- * sentence. `stop`, where not NULL, is asked now and then whether to give up. */
+ * sentence. Unless it is NULL, `stop` is asked now and then whether to give up. */
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
                       int (*stop)(void), pupil_why *why);
 int study_images_reserve(study_images *images, uint32_t width, uint32_t height, pupil_why *why);
 int study_images_spheres(study_images *images, uint32_t width, uint32_t height, pupil_why *why);
 void study_images_free(study_images *images);
 
-/* Rounds to the nearest binary16 (ties to even) within its range: the picture of the original study was such a buffer.
- */
+/* Rounds to the nearest binary16 (ties to even) within its range: the original study had its picture in such a
+ * buffer. */
 void study_images_round(float *samples, size_t count);
 
 /* All light times 2^shift: exact. */
 void study_images_scale(study_images *images, int shift);
 
-/* Metered by the library, with the floor times 2^shift. 0 or a code of pupil/error.h. */
+/* The images metered by the library, with the floor times 2^shift. 0 or a code of pupil/error.h. */
 typedef struct study_lights {
     pupil_config config; /* the study's: key 0.18, no white point, gamma 2.2 */
     pupil_stats stats[2];
@@ -74,7 +74,7 @@ static inline int study_final(unsigned which_case)                     /* the la
 typedef struct study_run {
     unsigned formula;    /* 0..3, or 4: the library's own law, in seconds */
     unsigned which_case; /* 0..3 */
-    double weight;       /* of a frame; of formula 4, as a frame of 1/fps has it */
+    double weight;       /* of a frame; for formula 4, of a frame of 1/fps */
     unsigned fps;
     uint32_t frames;
 } study_run;
@@ -82,8 +82,8 @@ typedef struct study_run {
 /* u of every frame, by the library's adaptation. 0 or a code of pupil/error.h. */
 int study_run_library(const study_lights *lights, const study_run *run, double *u);
 
-/* The same by the recursions as they are in the original study, in binary32: w new + (1 - w) old, and expf(w logf(new)
- * + (1 - w) logf(old)). luminance[]: before the first change, until the second, after it. */
+/* The same by the original study's recursions, in binary32: w new + (1 - w) old, and expf(w logf(new) + (1 - w)
+ * logf(old)). luminance[]: before the first change, until the second, after it. */
 void study_run_float32(const float luminance[3], const study_run *run, double *u);
 
 /* All runs of the tables: u[formula][case][weight][frame]. */
@@ -104,7 +104,7 @@ typedef struct study_target {
     size_t pixels;
     const float *rgb;         /* of study_images */
     double scale, gamut;      /* X of the target; pupil_curve's gamut without a white point */
-    double bound[257];        /* light at which a code begins: bound[1..255]; ends that nothing reaches */
+    double bound[257];        /* light at which a code begins: bound[1..255]; the ends are out of reach */
     uint8_t *code;            /* the target's picture */
     _Atomic uint64_t renders; /* pictures compared so far */
 } study_target;
@@ -112,11 +112,12 @@ typedef struct study_target {
 int study_target_open(study_target *target, const study_images *images, const study_lights *lights, int light);
 void study_target_close(study_target *target);
 
-/* Manhattan distance of the picture at scale X_target exp(u) to the target's, or any number above `limit` if it is
- * more. The mapping is pupil.h's (white none), in double: the distance is then monotone in |u| on either side. */
+/* Manhattan distance of the picture at scale X_target exp(u) to the target's, or any number above `limit` if the
+ * distance is larger. The mapping is pupil.h's (white none), in double: the distance is then monotone in |u| on either
+ * side. */
 uint64_t study_distance(study_target *target, double u, uint64_t limit);
 
-/* Samples in which the library's own map of the target's frame has another code, and the largest difference. */
+/* How many samples of the library's own map of the target's frame have another code, and the largest difference. */
 int study_distance_library(const study_target *target, const study_images *images, const study_lights *lights,
                            int light, uint64_t *differ, unsigned *largest);
 
@@ -129,7 +130,7 @@ typedef struct study_cells {
     uint16_t frame[STUDY_FORMULAS][STUDY_CASES][STUDY_WEIGHTS][STUDY_THRESHOLDS];
 } study_cells;
 
-/* Called now and then with what is done of the whole; returns non-zero to stop. */
+/* Called now and then with the work done and the total; returns non-zero to stop. */
 typedef int study_progress(void *context, unsigned done, unsigned total);
 
 /* `targets`: off, on. -1: stopped. The cells do not depend on the number of workers. */
@@ -145,7 +146,7 @@ typedef struct study_test {
 
 #define STUDY_TESTS 11
 
-/* A1 to A7, tests[0..6]: of the cells alone. */
+/* A1 to A7, tests[0..6]: they need only the cells. */
 void study_accept_cells(study_test tests[STUDY_TESTS], const study_cells *cells, double ln_r);
 
 /* A2, A3 and A5 of any tables. */
@@ -153,21 +154,21 @@ void study_accept_order(study_test *test, const study_cells *cells);
 void study_accept_equal(study_test *test, const study_cells *cells);
 void study_accept_one_number(study_test *test, const study_cells *cells, double ln_r);
 
-/* A8, A9 and A11: of the states. 0 or a code of pupil/error.h, or PUPIL_ERR_NULL without memory. */
+/* A8, A9 and A11: they need the states. 0 or a code of pupil/error.h, or PUPIL_ERR_NULL if memory is short. */
 int study_accept_states(study_test tests[STUDY_TESTS], const study_cells *cells, const study_lights *lights,
                         const study_states *states, int float32, workers *team);
 
 /* A10: the tables again from light times 2^shift. */
 void study_accept_scaled(study_test *test, const study_cells *cells, const study_cells *scaled);
 
-/* --- study_regression.c: the original study's own tables from numbers alone --- */
+/* --- study_regression.c: the original study's own tables again, from numbers alone --- */
 
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
     unsigned misprints;
-    unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long it continues */
-    unsigned rounded;             /* cells in which binary32 is not the closed form, which counts on to infinity */
-    study_cells seeds, ours;      /* only the frames; misprints mended */
+    unsigned unfinished, stalled; /* our cells of 1799; those that never arrive, however long the run */
+    unsigned rounded;             /* cells in which binary32 differs from the closed form, which never stalls */
+    study_cells seeds, ours;      /* only the frames; misprints corrected */
 } study_regression;
 
 /* Against a table of the layout of study_csv. 0, or -1 and a sentence. */
@@ -210,7 +211,7 @@ int study_write(const char *path, study_writer *writer, const study_result *resu
 /* The level over time of a case, the four formulas at three weights. */
 int study_plot(const char *path, const study_result *result, unsigned which_case, pupil_why *why);
 
-/* 1000x800, the twenty weights as 5x4 tiles in the tables' order. -1 and a sentence; 1: stopped. */
+/* 1000x800, the twenty weights as 5x4 tiles in the order of the tables. -1 and a sentence; 1: stopped. */
 int study_video(const char *path, const study_images *images, const study_lights *lights, unsigned which_case,
                 unsigned formula, study_progress *progress, void *context, pupil_why *why);
 
