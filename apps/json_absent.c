@@ -1,5 +1,4 @@
-/* apps/json_absent.c: in the place of stats_json.c, list_json.c and probe_json.c where the program is built without
- * cJSON. */
+/* apps/json_absent.c: replaces stats_json.c, list_json.c and probe_json.c in a build without cJSON. */
 #include <stdlib.h>
 
 #include "file/sink/sink_common.h"
@@ -17,7 +16,7 @@ int pupil_stats_json_check(const char *path, pupil_why *why)
 int pupil_stats_json_object(FILE *file, const frame_log_entry *record)
 {
     (void)file, (void)record;
-    abort(); /* nobody comes here past the check */
+    abort(); /* the check does not let callers come here */
 }
 
 const char *list_json_refusal(void)

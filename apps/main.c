@@ -22,8 +22,9 @@ static void put_help(FILE *out)
           out);
 }
 
-/* The number of a standard stream that is closed would go to the next file that is opened, and sentences for the user
- * into an output. What takes its place here refuses what the stream is used for, as the closed one would. */
+/* If a standard stream is closed, the next opened file would get its number, and messages would be written into an
+ * output. /dev/null, opened for the opposite direction, takes the number: uses fail, as those of the closed stream
+ * would. */
 static void fill_standard_streams(void)
 {
     for (int fd = 0; fd <= 2; fd++)
@@ -35,7 +36,7 @@ static void fill_standard_streams(void)
 static const char *const own[] = {"help", "version", "completion"};
 enum { OWN = sizeof own / sizeof own[0] };
 
-/* Of a command that there is not. */
+/* Refuses an unknown command. */
 static int refuse(const char *name)
 {
     option_near near;
@@ -53,7 +54,7 @@ static int refuse(const char *name)
     return EXIT_USAGE;
 }
 
-/* `pupil help ...`: of a command, of a part of it, the man page, or of all. */
+/* `pupil help ...`: for a command, for a part of it, for all, or the man page. */
 static int help(int argc, char **argv)
 {
     char what[64] = "";
@@ -69,7 +70,7 @@ static int help(int argc, char **argv)
         options_manual(pupil_commands, stdout);
     else if (!command)
         return refuse(what);
-    else if (!command->groups) { /* it has more to say, or is not in this build */
+    else if (!command->groups) { /* it has more help, or is not in this build */
         char name[32];
         snprintf(name, sizeof name, "%s", command->name);
         char *asked[] = {name, "--help", NULL};

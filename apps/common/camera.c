@@ -10,7 +10,7 @@
 typedef struct first_camera {
     char *path;
     size_t bytes;
-    pupil_why why; /* the first node that could not be asked */
+    pupil_why why; /* of the first node that could not be queried */
 } first_camera;
 
 static int seen(void *closure, const pupil_live_identity *is, pupil_live_modes *modes, const char *why)

@@ -10,7 +10,7 @@
 #define MOMENT_NS 500000000
 
 static volatile sig_atomic_t came;
-static volatile pid_t parent; /* 0: none is watched, or it is gone */
+static volatile pid_t parent; /* 0: not watched, or gone */
 static volatile int64_t gone_ns;
 
 static int64_t now_ns(void)
@@ -35,7 +35,7 @@ static void note(int number)
     look_for_parent();
     if (number != SIGALRM && came < 2 && !(came && gone_ns && now_ns() - gone_ns < MOMENT_NS))
         came++;
-    alarm(1); /* knocks again until the end: the first knock may come just before a read or write that blocks */
+    alarm(1); /* again each second until the end: the first may come just before a read or write that blocks */
 }
 
 void interrupt_with_parent(pid_t is)
@@ -58,7 +58,7 @@ void interrupt_watch(void)
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
     sigaction(SIGXFSZ, &action, NULL);
-    look_for_parent(); /* it may have ended before that signal was asked for */
+    look_for_parent(); /* it may have ended before its signal was requested */
 }
 
 int interrupt_came(void)
@@ -78,13 +78,13 @@ static void (*last_act)(void);
 static void die(int number)
 {
     last_act();
-    raise(number); /* SA_RESETHAND: as if there had been no handler */
+    raise(number); /* SA_RESETHAND: the default action ends the program */
 }
 
 void interrupt_fatal(void (*act)(void))
 {
     static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGSYS, SIGXCPU};
-    static unsigned char room[65536]; /* a stack that is full has no room for a handler */
+    static unsigned char room[65536]; /* on a full stack a handler cannot run */
     const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
     struct sigaction action = {.sa_handler = act ? die : SIG_DFL, .sa_flags = SA_RESETHAND | SA_NODEFER | SA_ONSTACK};
     sigemptyset(&action.sa_mask);

@@ -18,7 +18,7 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-/* What one input is that must be alone; NULL: a file, of which there can be several. */
+/* The kind of an input that must be the only one; NULL: a file, of which there can be several. */
 static const char *kind_of(const char *input)
 {
     return pupil_live_is_camera(input) ? "camera"

@@ -31,11 +31,12 @@ static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y
     case PUPIL_PIXEL_BAYER8:
         return row[x];
     case PUPIL_PIXEL_GREY10P:
-    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each, the first's first */
+    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each pixel, the first
+                                * pixel's lowest */
         group = row + x / 4 * 5;
         return (unsigned)group[x % 4] << 2 | (group[4] >> 2 * (x % 4) & 3u);
     case PUPIL_PIXEL_GREY12P:
-    case PUPIL_PIXEL_BAYER12P: /* RAW12: the third byte has the lowest four */
+    case PUPIL_PIXEL_BAYER12P: /* RAW12: the third byte has the lowest four bits */
         group = row + x / 2 * 3;
         return (unsigned)group[x % 2] << 4 | (group[2] >> 4 * (x % 2) & 15u);
     default:
@@ -60,7 +61,7 @@ static double hlg_light(double v)
     return v <= 0.5 ? v * v / 3.0 : fmin((exp((v - c) / a) + b) / 12.0, 1.0);
 }
 
-/* A coded value to light. The usual one is the caller's. */
+/* A coded value to light. The caller resolves the default. */
 static double decoded(double v, uint32_t light)
 {
     if (light == PUPIL_LIGHT_LINEAR)
@@ -171,8 +172,8 @@ static void yuv_light(const pupil_image_const *image, uint32_t x, uint32_t y, do
     }
 }
 
-/* The mean light of a colour's samples: in the quad, or in the nine around a pixel that has another colour; outside the
- * frame it is mirrored. */
+/* The mean light of a colour's samples in the quad, or in the 3 x 3 around a pixel of another colour. The frame is
+ * mirrored at its edges. */
 static double mean_of(const pupil_image_const *image, uint32_t x, uint32_t y, unsigned colour, int quad)
 {
     const uint32_t bayer = coding_of(image)->bayer;
@@ -220,7 +221,7 @@ static double half_to_double(uint16_t h)
     return h & 0x8000 ? -magnitude : magnitude;
 }
 
-/* One sample of a pixel with red, green and blue of its own; alpha is linear. */
+/* One sample of a pixel that has its own red, green and blue; alpha is linear. */
 static double component(uint32_t pixel, const unsigned char *row, size_t at, int is_alpha)
 {
     float f;

@@ -18,7 +18,7 @@ double progress_now_s(void)
 void progress_begin(progress *p, int quiet, uint64_t total)
 {
     const char *terminal = getenv("TERM");
-    int can_clear = terminal && strcmp(terminal, "dumb") != 0; /* a line, as ECMA-48 has it */
+    int can_clear = terminal && strcmp(terminal, "dumb") != 0; /* a line, by ECMA-48 */
     *p = (progress){.shown = !quiet && can_clear && isatty(STDERR_FILENO), .total = total, .began_s = progress_now_s()};
 }
 

@@ -1,4 +1,4 @@
-/* pupil ctl: asks and changes a running `pupil run --control PATH`. */
+/* pupil ctl: queries and changes a running `pupil run --control PATH`. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,13 +14,13 @@
 
 #define WAIT_S 10
 
-enum { LINE_BYTES = 1024 }; /* over what a run takes, so that it refuses the longer ones */
+enum { LINE_BYTES = 1024 }; /* more than a run takes, so that it refuses longer lines */
 
 typedef struct ctl_options {
     int unused;
 } ctl_options;
 
-/* It has none but --help, whose row every command gets. */
+/* No options but --help, which every command has. */
 static const option_group groups[] = {{0}};
 
 const option_command ctl_command = {
@@ -62,7 +62,7 @@ static int reach(const char *path, pupil_why *why)
     if (fd < 0 || setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait) != 0 ||
         setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait) != 0 ||
         connect(fd, (const struct sockaddr *)&at.address, sizeof at.address) != 0) {
-        if (errno == EAGAIN) /* its queue of those that wait is full */
+        if (errno == EAGAIN) /* its queue of waiting connections is full */
             pupil_refuse(why, "%s: the run there takes nobody for %d s; it hangs, or no frames come", path, WAIT_S);
         else
             pupil_refuse(why, "%s: no run is reached there: %s; 'pupil run --control %s' makes the socket", path,
@@ -76,7 +76,7 @@ static int reach(const char *path, pupil_why *why)
     return fd;
 }
 
-/* One line with its line feed, and its answer: EXIT_DONE where that is ok. */
+/* One line with its line feed, and its answer: EXIT_DONE if that is ok. */
 static int ask(int fd, FILE *answers, const char *line, size_t length, pupil_why *why)
 {
     char answer[4096];
@@ -97,8 +97,8 @@ static int is_blank(const char *line, size_t length)
     return 1;
 }
 
-/* The next one that is not blank, with its line feed, and without a carriage return. Of one that is too long, what
- * fits, which the run refuses; its rest is skipped. 0: there is none. */
+/* The next line that is not blank, with its line feed, without a carriage return. A line that is too long is cut, so
+ * that the run refuses it, and the rest is skipped. 0: no more lines. */
 static size_t next_line(char line[LINE_BYTES])
 {
     for (int c = 0; c != EOF;) {
@@ -126,7 +126,7 @@ static int ask_all(int fd, FILE *answers, pupil_why *why)
     return status;
 }
 
-/* The words with spaces between, and a line feed; -1: too long, of several lines, or blank. */
+/* The words, separated by spaces, and a line feed; -1: too long, several lines, or blank. */
 static int join(char *line, size_t bytes, int count, char **words, pupil_why *why)
 {
     size_t used = 0;
@@ -153,7 +153,7 @@ int ctl_main(int argc, char **argv)
     pupil_why why = {""};
     option_words words;
     char line[512 + 1];
-    /* Options stand in front of PATH; what follows are values, which may be negative. */
+    /* Options come before PATH; after it come values, which may be negative. */
     const int options = argc == 3 && is_help(argv[2]) ? argc : argc > 2 ? 2 : argc;
     const int parsed = options_read(&ctl_command, &o, options, argv, &words);
     if (parsed >= 0)

@@ -4,25 +4,26 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The share of the pixels with light that is darker than what the scale is chosen by: the bright part of the picture,
- * but no lamp and no sun. */
+/* The scale is chosen by this quantile of the pixels with light: the bright part of the picture, but no lamp and no
+ * sun. */
 #define BRIGHT_SHARE 0.95
-/* log2 of that light where frames are left alone, with their bits: down to a dark room, up to the sun in its units. */
+/* The range of that light, log2, in which frames are left unchanged: from a dark room to the sun in its units. */
 #define LEAST_EV (-6)
 #define MOST_EV  16
-/* Where it is else: 18 stops above the default floor, 26 below the largest luminance. */
+/* Other light is scaled to this: 18 stops above the default floor, 26 below the largest luminance. */
 #define WANTED_EV  4
 #define MOST_STOPS 60 /* pupil.h: gain is from 2^-64 to 2^64 */
-/* Rows, and pixels of a row, that are looked at: for the unit; and in each later frame, for noise alone. */
+/* How many rows, and pixels of a row, are looked at for the unit; and in each later frame, only for noise. */
 #define SAMPLES       256
 #define LATER_SAMPLES 64
-/* A frame is noise where so many of its pixels are dark in each channel: half of them are behind a lens cap. The pixels
- * that so many are darker than are put there. The standard deviation is 2 to 4 times that: a 64th to a 32nd of the
- * default floor, so as dark as 8-bit noise at the limit of amplification (docs/pictures.md). */
+/* A frame is noise if this share of its pixels is dark in each channel: behind a lens cap it is half. Their quantile at
+ * this share is scaled to NOISE_EV. The standard deviation is 2 to 4 times that: a 64th to a 32nd of the default floor,
+ * so as dark as 8-bit noise at the limit of amplification (docs/pictures.md). */
 #define NOISE_SHARE 0.25
 #define NOISE_EV    (-21)
-/* Noise of a pixel does not depend on that of one so far to its right, beyond what a demosaicing or a lens mixes; what
- * is dark in a picture of strong colours goes on. The correlation is 0 and 1; of so few pairs it says nothing. */
+/* At this distance to the right, beyond the reach of a demosaicing or a lens, noise is uncorrelated; dark areas in a
+ * picture of strong colours are larger. The correlation is 0 for noise, 1 for areas; fewer pairs than NOISE_PAIRS say
+ * nothing. */
 #define NOISE_REACH       4
 #define NOISE_CORRELATION 0.5
 #define NOISE_PAIRS       64
@@ -44,10 +45,10 @@ int any_scale_concerns(uint32_t pixel)
 
 /* What a frame's samples say of its unit. */
 typedef struct sight {
-    size_t stops[EXPONENTS]; /* pixels, by the exponent of their brightest channel, where that is above 0 */
+    size_t stops[EXPONENTS]; /* pixels, by the exponent of their brightest channel, if that is above 0 */
     size_t lit, pixels;
     size_t dark[3];        /* per channel: below 0, or 0 while another one is above */
-    size_t pairs, both[3]; /* pixels with one to their right; those of which both are dark */
+    size_t pairs, both[3]; /* pairs of a pixel and the one to its right; pairs with both dark */
 } sight;
 
 static int is_dark(const float rgb[3], int channel)
@@ -86,7 +87,7 @@ static sight look(const pupil_image_const *image, size_t floats, uint32_t sample
     return s;
 }
 
-/* Whole stops of the light that a share of the pixels with light are below. */
+/* The quantile of the light at a share of the pixels with light, in whole stops. */
 static int quantile(const sight *s, double share)
 {
     size_t below = 0;
@@ -96,8 +97,8 @@ static int quantile(const sight *s, double share)
     return i + LOWEST;
 }
 
-/* Light is not below 0, and a wider gamut's colours are so in one channel. In all three, and not in areas, it is a
- * sensor's noise. */
+/* Light is not below 0; colours of a wider gamut are below 0 in one channel. Below 0 in all three, and not in areas, is
+ * sensor noise. */
 static int is_noise(const sight *s)
 {
     if (s->pairs < NOISE_PAIRS)
@@ -121,7 +122,7 @@ static int bounded(int stops)
     return stops < -MOST_STOPS ? -MOST_STOPS : stops > MOST_STOPS ? MOST_STOPS : stops;
 }
 
-/* The unit is that of the first frame that is no noise, and the noise that of the first that is: it is a sensor's. */
+/* The first frame with light sets the unit, and the first frame of noise the scale of noise: it is the sensor's. */
 static void choose(any_scale *a, const sight *s)
 {
     const int noise = is_noise(s);
@@ -174,7 +175,7 @@ int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why)
     if (s.lit)
         choose(a, &s);
     if (!a->stops && !a->noise_known)
-        return 0; /* after a frame with a gain each has one: where there is none, the library takes the last one's */
+        return 0; /* once a frame had a gain, each needs one: without it the library takes the last */
     info->exposure_s = info->exposure_s > 0.0 ? info->exposure_s : 1.0;
     info->gain = ldexp(info->gain > 0.0 ? info->gain : 1.0, a->stops);
     return a->stops ? multiply(a, &frame->image, floats, why) : 0;

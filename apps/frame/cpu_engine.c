@@ -10,9 +10,9 @@ struct cpu_engine {
     workers *w;
     pupil_stats *own;  /* one for each worker */
     int *error;        /* one for each worker */
-    const float *gain; /* of the frame's rows, where it is mapped; NULL: none */
+    const float *gain; /* of the mapped frame's rows; NULL: none */
     frame_veil *veil;  /* NULL: none */
-    /* the pass at hand */
+    /* the current pass */
     const pupil_t *pupil;
     const pupil_image_const *in;
     const pupil_image *out; /* NULL: meter only */
@@ -62,7 +62,7 @@ int cpu_engine_use_veil(cpu_engine *e, const pupil_veil_config *config, const do
 
 /* --- a worker's share --- */
 
-/* The first row of a worker's share: pairs stay together, for they may have one gain. */
+/* The first row of a worker's share: pairs of rows stay together, because they may share a gain. */
 static uint32_t begins(uint32_t height, unsigned worker, unsigned count)
 {
     const uint32_t row = (uint32_t)((uint64_t)height * worker / count);
@@ -107,7 +107,7 @@ static void work_share(void *context, unsigned worker, unsigned count)
 
 /* --- a frame --- */
 
-/* What the workers have metered, as one. */
+/* Merges the workers' statistics. */
 static int merge(cpu_engine *e, pupil_stats *stats)
 {
     int error = PUPIL_OK;
@@ -117,8 +117,8 @@ static int merge(cpu_engine *e, pupil_stats *stats)
     return error;
 }
 
-/* Meters into stats (unless NULL) and maps by curve to out (unless NULL). With a veil, rows that are not mapped are
- * gathered. */
+/* Meters into stats (unless NULL) and maps by curve to out (unless NULL). With a veil, a pass that does not map gathers
+ * light. */
 static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats,
                 const pupil_curve *curve, const pupil_image *out, pupil_why *why)
 {

@@ -17,7 +17,7 @@ struct frame_veil {
     pupil_veil veil;
     int blooms;
     double bloom_above;
-    pupil_bloom *bloom; /* of the size at hand; NULL: none yet, or none at all */
+    pupil_bloom *bloom; /* of the current size; NULL: none yet, or none at all */
     unsigned workers;
     worker_veil own[];
 };

@@ -32,7 +32,7 @@ GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *frag
     GLuint program = gl->CreateProgram();
     const GLuint v = shader(gl, GL_VERTEX_SHADER, program, vertex);
     const GLuint f = shader(gl, GL_FRAGMENT_SHADER, program, fragment);
-    gl->LinkProgram(program); /* fails where a shader was not compiled */
+    gl->LinkProgram(program); /* fails if a shader was not compiled */
     gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
     gl->DeleteShader(v);
     gl->DeleteShader(f);

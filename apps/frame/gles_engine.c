@@ -15,7 +15,7 @@
 
 enum { PICTURE = 0, SMALL, ROOMS };
 
-typedef struct gles_room { /* what is mapped to, to be read back */
+typedef struct gles_room { /* the target of mapping, to be read back */
     GLuint framebuffer, renderbuffer;
     uint32_t width, height;
 } gles_room;
@@ -25,17 +25,17 @@ struct gles_engine {
     pupil_gles_get_proc get_proc;
     gl_calls gl;
     pupil_config settings;
-    int no_histogram; /* the context can have none, and nothing needs it but the record's quantiles */
+    int no_histogram; /* the context cannot have one, and only the record's quantiles need it */
     pupil_gles_config config;
     pupil_coding coding; /* config.coding is this one */
     pupil_gles gles;     /* for frames as in config */
     int open;
     gles_shared shared;
     int is_shared;   /* the frame that was metered last */
-    int is_software; /* Mesa 22.3's renderers crash on dma-bufs that their device has not made: it cannot map them */
+    int is_software; /* Mesa 22.3's renderers crash on dma-bufs of other devices, which they cannot map */
     gles_room room[ROOMS];
-    float nodes[PUPIL_VEIL_NODES * PUPIL_VEIL_NODES * 3]; /* of the veil at hand */
-    unsigned char *rgba;                                  /* as it is read back */
+    float nodes[PUPIL_VEIL_NODES * PUPIL_VEIL_NODES * 3]; /* of the current veil */
+    unsigned char *rgba;                                  /* read back */
     size_t rgba_bytes;
 };
 
@@ -122,7 +122,7 @@ static int is_balanced(const pupil_coding *a, const pupil_coding *b)
     return memcmp(&with, b, sizeof with) == 0;
 }
 
-/* The object for frames like this one, in memory or in textures. */
+/* Makes the object for frames like this one, in memory or in textures. */
 static int fit(gles_engine *g, pupil_t *pupil, const pupil_image_const *in, uint32_t source, pupil_why *why)
 {
     static const pupil_coding usual;
@@ -182,7 +182,7 @@ void gles_engine_describe(const gles_engine *g, char *text, size_t text_bytes)
 
 /* --- a frame --- */
 
-/* Frames may change in size and format. A camera's dma-bufs are read where they are. */
+/* Frames may change in size and format. A camera's dma-bufs are read without a copy. */
 static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why)
 {
     gles_engine *g = self;
@@ -254,7 +254,7 @@ int gles_engine_draw(gles_engine *g, const pupil_curve *curve, const pupil_gles_
 {
     const int error = pupil_gles_map(&g->gles, curve, target);
     if (g->is_shared)
-        g->gl.Finish(); /* its buffer goes back to the camera, which fills it again */
+        g->gl.Finish(); /* its buffer goes back to the camera, which overwrites it */
     return error ? say(why, error, "mapping") : 0;
 }
 

@@ -1,4 +1,4 @@
-/* In place of gles_engine.c where the build has no OpenGL ES. */
+/* Replaces gles_engine.c in a build without OpenGL ES. */
 #include <stdio.h>
 
 #include "gles_engine.h"

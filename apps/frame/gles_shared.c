@@ -30,7 +30,7 @@ static int import(gles_shared *s, const pupil_frame *frame)
     buffer.stride_bytes[0] = stride_of(in->stride_bytes);
     buffer.stride_bytes[1] = stride_of(in->chroma_stride_bytes);
     buffer.stride_bytes[2] = stride_of(in->cr_stride_bytes);
-    if (s->count == GLES_SHARED_MOST) /* a source that hands out more buffers than it said */
+    if (s->count == GLES_SHARED_MOST) /* the source has more buffers than it said */
         gles_shared_release(s);
     if (pupil_dmabuf_import(&buffer, &s->buffer[s->count].textures, &s->refusal))
         return -1;

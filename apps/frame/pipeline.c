@@ -47,7 +47,7 @@ void frame_pipeline_give_up_gpu(frame_pipeline *p, const pupil_why *why)
     pupil_refuse(&p->warning, "--gles: %.900s", why->text);
     gles_engine_close(p->gpu);
     p->gpu = NULL;
-    pupil_retune(&p->pupil, &p->config); /* the GPU may have gone without a histogram */
+    pupil_retune(&p->pupil, &p->config); /* the GPU may have had no histogram */
 }
 
 void frame_pipeline_describe(const frame_pipeline *p, char *text, size_t text_bytes)
@@ -100,7 +100,7 @@ static int make_room(frame_pipeline *p, const pupil_image_const *in, int whole, 
     return data ? 0 : pupil_refuse(why, "not enough memory");
 }
 
-/* Meter, then adapt. Fused: the frame is mapped by the level before it, in the same pass where the engine can. */
+/* Meter, then adapt. Fused: the frame is mapped by the level before it, in the same pass if the engine can. */
 static int meter_by(frame_pipeline *p, const frame_engine_ops *ops, void *engine, const pupil_frame *frame,
                     pupil_why *why)
 {
@@ -125,7 +125,7 @@ static int meter_by(frame_pipeline *p, const frame_engine_ops *ops, void *engine
     return 0;
 }
 
-/* The GPU's frames have their veil from the CPU. */
+/* The CPU makes the veil of the GPU's frames. */
 static int meter_by_gpu(frame_pipeline *p, const pupil_frame *frame, pupil_why *why)
 {
     if (meter_by(p, &gles_engine_ops, p->gpu, frame, why))

@@ -65,7 +65,7 @@ workers *workers_open(unsigned count)
             *s = (seat){w, i};
         if (!s || pthread_create(&w->thread[i], NULL, serve, s) != 0) {
             free(s);
-            w->count = i; /* fewer do the same, to the bit */
+            w->count = i; /* fewer give the same bits */
             break;
         }
         w->started = i;

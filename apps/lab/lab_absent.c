@@ -1,4 +1,4 @@
-/* In place of the lab's commands in a build without them. */
+/* Replaces the lab's commands in a build without them. */
 #include <stdio.h>
 
 #include "options/commands.h"

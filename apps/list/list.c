@@ -1,4 +1,4 @@
-/* pupil list: the cameras that are there, and what they offer. */
+/* pupil list: the cameras of the system, and what they offer. */
 #include "list.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static int add(void *closure, const pupil_live_identity *is, pupil_live_modes *m
 {
     list *l = closure;
     if (*why)
-        fprintf(l->err, "pupil list: %s\n", why); /* of a camera: what was read before is listed */
+        fprintf(l->err, "pupil list: %s\n", why); /* of a camera: what was read until then is listed */
     if (!is) {
         l->refused |= *why != 0;
         return 0;
@@ -31,7 +31,7 @@ static int add(void *closure, const pupil_live_identity *is, pupil_live_modes *m
     }
     l->camera = more;
     more[l->count].is = *is;
-    pupil_plain_text(more[l->count].is.name); /* a device says what it is called */
+    pupil_plain_text(more[l->count].is.name); /* the name comes from the device */
     pupil_plain_text(more[l->count].is.bus);
     more[l->count].modes = *modes;
     *modes = (pupil_live_modes){0}; /* kept here */

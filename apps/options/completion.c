@@ -44,7 +44,7 @@ void options_complete(const option_command *const *commands, int count, char **w
         snprintf(name, sizeof name, "%s %s", words[0], words[1]);
         command = options_command(command->parts, name);
     }
-    if (command && !command->parts) /* bash parts --mode=both at the = */
+    if (command && !command->parts) /* bash splits --mode=both at the = */
         put_options(command, words[count - (count > 2 && strcmp(words[count - 2], "=") == 0 ? 3 : 2)], word, out);
 }
 

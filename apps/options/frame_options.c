@@ -263,7 +263,7 @@ static int is_video(const char *path)
     return strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0;
 }
 
-/* What is looked at in motion; not what may be measured. */
+/* Outputs viewed in motion are dithered; outputs that may be measured, not. */
 static int wants_dither(const frame_options *o)
 {
     for (size_t i = 0; i < o->out_count; i++)

@@ -1,4 +1,4 @@
-/* Outputs that would destroy an input, each other or what is there, found before anything is opened. */
+/* Finds, before anything is opened, outputs that would overwrite an input, each other or existing files. */
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,7 +40,7 @@ static int stat_parent(const char *path, struct stat *parent)
     return failed;
 }
 
-/* The last part of a path, without slashes behind it; *length is its length. */
+/* The last part of a path, without trailing slashes; *length is its length. */
 static const char *last_name(const char *path, size_t *length)
 {
     size_t end = strlen(path), start;
@@ -52,7 +52,8 @@ static const char *last_name(const char *path, size_t *length)
     return path + start;
 }
 
-/* One place, however it is written: one file or folder, or, where nothing is yet, one name in one folder. */
+/* Whether two paths are one place: the same file or folder, or, if nothing is there yet, the same name in the same
+ * folder. */
 static int is_same_place(const char *a, const char *b)
 {
     struct stat x, y;
@@ -69,7 +70,7 @@ static int is_same_place(const char *a, const char *b)
            !stat_parent(b, &y) && is_same_node(&x, &y);
 }
 
-/* What is read of a folder with a recording. */
+/* The files that are read from a recording's folder. */
 static int is_recorded(const char *path)
 {
     size_t length;
@@ -77,7 +78,7 @@ static int is_recorded(const char *path)
     return strncmp(name, "frames.", 7) == 0 || strcmp(name, "recording.json") == 0;
 }
 
-/* Whether a file is one of those that an input is: a folder, or a pattern. */
+/* Whether a file is among the files of an input that is a folder or a pattern. */
 static int is_among(const struct stat *file, const char *input)
 {
     pupil_paths paths = {0};
@@ -93,7 +94,7 @@ static int is_among(const struct stat *file, const char *input)
     return found;
 }
 
-/* Whether an output would replace an input: the file, or one of several, or (of an output folder) the folder that it is
+/* Whether an output would replace an input: its file, one of its files, or (for an output folder) the folder that it is
  * in. */
 static int replaces(const char *output, int may_be_folder, const char *input)
 {
@@ -104,8 +105,8 @@ static int replaces(const char *output, int may_be_folder, const char *input)
            (S_ISDIR(x.st_mode) && !stat_parent(input, &y) && is_same_node(&x, &y));
 }
 
-/* Whether an output would replace what an input names. Behind a prefix a file's name may have commas, and keys follow
- * after another one: each part that ends at a comma may be the file. */
+/* Whether an output would replace what an input names. After a prefix come a file's name, which may have commas, and
+ * keys after another comma: each part that ends at a comma may be the file. */
 static int replaces_named(const char *output, int may_be_folder, const char *input)
 {
     if (strncmp(input, "synth:", 6) == 0)
@@ -120,8 +121,8 @@ static int replaces_named(const char *output, int may_be_folder, const char *inp
     return found;
 }
 
-/* A folder is made next to its place and put there, new or in the place of an empty one, when all is in it. Other files
- * in that folder would stop this at the very end. */
+/* A folder is made next to its final place, and moved there when it is complete, onto nothing or an empty folder. Other
+ * files in that folder would make this fail at the very end. */
 static int is_inside(const char *path, const char *folder)
 {
     char *copy = strdup(path), *above = copy;
@@ -135,7 +136,7 @@ static int is_inside(const char *path, const char *folder)
     return inside;
 }
 
-/* Files that are there already; folders are looked into by those who write them. */
+/* Refuses existing files; who writes a folder looks into it. */
 static int check_kept(const frame_options *o, pupil_why *why)
 {
     for (size_t i = 0; i < o->out_count + 2 && !o->overwrite; i++) {
@@ -165,7 +166,7 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
                              paths[k]);
                 return OPTIONS_USAGE;
             }
-        int taken = o->veil && o->eye.psf == PUPIL_VEIL_GAUSSIANS && replaces(paths[i], 0, o->veil); /* its file */
+        int taken = o->veil && o->eye.psf == PUPIL_VEIL_GAUSSIANS && replaces(paths[i], 0, o->veil); /* the file of --veil */
         for (size_t k = 0; k < o->input_count && !taken; k++)
             taken = replaces_named(paths[i], i < o->out_count || paths[i] == o->record, o->inputs[k]);
         if (taken) {

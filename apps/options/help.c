@@ -1,11 +1,11 @@
-/* --help: two options a line where both are short, so that it fits a screen. */
+/* --help: two short options share a line, so that it fits a screen. */
 #include <string.h>
 
 #include "option_table.h"
 
 enum { WIDTH = 90, TEXT_AT = 24, SECOND_AT = 48, LINE_BYTES = 512 };
 
-/* "-o, --out PATH", indented where there is no letter; of a second one on a line not. */
+/* "-o, --out PATH", indented if there is no letter, except as the second on a line. */
 static int head(const option_row *row, int indented, char *text)
 {
     char letter[8] = "";
@@ -29,7 +29,7 @@ static void entry(const option_row *row, int indented, char *text)
         snprintf(text + length, LINE_BYTES - (size_t)length, " (%s)", row->initial);
 }
 
-/* A line, broken between words where it is too long. */
+/* A line, wrapped between words if it is too long. */
 static void put_wrapped(const char *text, int indent, FILE *out)
 {
     size_t length = strlen(text);

@@ -1,4 +1,4 @@
-/* The man page of the program: what the commands say of themselves, and their options. */
+/* The man page of the program: the commands' own texts, and their options. */
 #include <ctype.h>
 #include <string.h>
 
@@ -43,7 +43,7 @@ static const char examples[] = "pupil replay synth:walk -o walk.mp4 --report rep
                                "pupil render room -n 300 -o room.mp4\n"
                                "pupil replay pan:street.hdr,fov=60,duration=20 --plot pan.svg -o pan.mp4\n";
 
-/* A character as itself: troff takes - for a hyphen and \ for its own. */
+/* A character as itself: troff reads - as a hyphen and \ as an escape. */
 static void put_char(char c, FILE *out)
 {
     if (c == '-' || c == '\\')
@@ -57,12 +57,12 @@ static void put_text(const char *text, size_t length, FILE *out)
         put_char(text[i], out);
 }
 
-/* An option's name is bold, without what follows it. */
+/* An option's name is bold, the text after it is not. */
 static void put_word(const char *word, size_t length, int first, FILE *out)
 {
     size_t name = 0;
     if (first && (*word == '.' || *word == '\''))
-        fputs("\\&", out); /* else a request */
+        fputs("\\&", out); /* otherwise it is a troff request */
     if (*word == '-' && length > 1)
         while (name < length && (word[name] == '-' || isalnum((unsigned char)word[name])))
             name++;

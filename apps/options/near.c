@@ -10,7 +10,7 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* How many letters are wrong, missing or too many; two that changed places count once (optimal string alignment). */
+/* How many letters are wrong, missing or too many; a swap of two counts once (optimal string alignment). */
 static size_t distance(const char *a, const char *b)
 {
     const size_t rows = strlen(a), columns = strlen(b);

@@ -10,7 +10,7 @@ enum { FIRST_CODE = 256 /* above every letter */ };
 
 const option_command *const *option_commands;
 
-/* What getopt_long reads: the names, and the letters with a colon behind those that take a value. */
+/* What getopt_long reads: the names, and the letters, with a colon after those that take a value. */
 typedef struct known {
     struct option name[OPTION_MOST_ROWS + 1];
     char letters[2 * OPTION_MOST_ROWS + 3];
@@ -21,7 +21,7 @@ static void make_known(const option_command *command, known *k)
     const option_row *row;
     size_t base;
     char *end = k->letters;
-    *end++ = '+'; /* in order: operands are gathered below */
+    *end++ = '+'; /* stops at operands, which are gathered below */
     *end++ = ':'; /* distinguishes a missing value from an option that is not known */
     for (size_t n = 0; n < OPTION_MOST_ROWS && (row = options_row(command, n, &base)); n++) {
         const int takes = row->kind == OPTION_FLAG ? no_argument : required_argument;
@@ -57,7 +57,7 @@ static int has(const option_command *command, const char *name, size_t length, c
     return 0;
 }
 
-/* "; pupil replay and pupil run have it", or nothing, of the option that another command has. */
+/* "; pupil replay and pupil run have it", if other commands have the option, or nothing. */
 static void others(const option_command *const *commands, const char *name, size_t length, char letter, char *text,
                    size_t bytes)
 {
@@ -83,7 +83,7 @@ static void perhaps(const option_command *command, const char *name, char *text,
         snprintf(text, bytes, "; perhaps --%s", near.name);
 }
 
-/* The same of a name that other programs have. */
+/* The same for a name from other programs. */
 static void instead(const char *name, char *text, size_t bytes)
 {
     const char *sought = option_sought(name);
@@ -91,7 +91,7 @@ static void instead(const char *name, char *text, size_t bytes)
         snprintf(text, bytes, "; %s", sought);
 }
 
-/* Of an option that getopt_long did not take: `code` is its answer, optopt what it knows of the option. */
+/* Refuses an option that getopt_long did not take: `code` is its answer, optopt its option. */
 static int refuse(const option_command *command, int code, const char *word, pupil_why *why)
 {
     char name[128], also[512] = "";
@@ -131,7 +131,7 @@ static int is_sought(const option_command *command, const char *word)
     return option_sought(name) && !has(command, name, strlen(name), 0);
 }
 
-/* `second`: the word behind the value; NULL: there is none. */
+/* `second`: the word after the value; NULL: none. */
 static int take(const option_command *command, size_t place, const char *second, void *options, pupil_why *why)
 {
     size_t base;
@@ -155,7 +155,7 @@ int options_parse(const option_command *command, void *options, int argc, char *
     make_known(command, &k);
     *words = (option_words){.word = argv + 1};
     opterr = 0;
-    optind = 0; /* from the beginning, also where another command line was read before */
+    optind = 0; /* start over: another command line may have been read before */
     for (int all = 0; optind < argc;) {
         const int before = optind ? optind : 1;
         if (!all && is_sought(command, argv[before])) {

@@ -1,4 +1,4 @@
-/* Names of outputs with a time or a number in them, so that a service never meets its old file. */
+/* Names of outputs with a time or a number in them, so that a service never finds its old file in the way. */
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 
 #define MOST_NUMBER 999999
 
-/* Numbers chosen, kept until their outputs have begun: runs that begin at once get one each. */
+/* Reserved numbers, kept until their outputs have begun, so that runs that begin together get different ones. */
 static pupil_pending *kept;
 static size_t kept_count;
 
@@ -37,7 +37,7 @@ void frame_options_release_begun(void)
     kept_count = still;
 }
 
-/* 0; 1 where another process has the name; -1 and a sentence. */
+/* 0; 1: another process has the name; -1 and a sentence. */
 static int keep(const char *path, pupil_why *why)
 {
     pupil_pending *more = realloc(kept, (kept_count + 1) * sizeof *kept);
@@ -53,7 +53,7 @@ static int keep(const char *path, pupil_why *why)
 
 enum { MOST_NAME = 4096 };
 
-/* A %d with a width (%04d), where the name has one: where it is, and how long. */
+/* The place and length of a %d with a width (%04d); NULL: none. */
 static const char *numbered(const char *path, size_t *length)
 {
     for (const char *at = strchr(path, '%'); at; at = strchr(at + (at[1] ? 2 : 1), '%')) {
@@ -66,7 +66,7 @@ static const char *numbered(const char *path, size_t *length)
     return NULL;
 }
 
-/* A %d that is the only pattern: then it is a number, too. With others it is the day, as strftime has it. */
+/* A %d that is the only pattern is a number, too. With other patterns it is strftime's day. */
 static const char *alone(const char *path, size_t *length)
 {
     const char *first = strchr(path, '%');
@@ -90,7 +90,7 @@ static int put_time(const char *path, time_t now, char *text, pupil_why *why)
                                 "%s: a %% is followed by a letter of date(1), or by digits and d for a number; %%%% "
                                 "is the sign itself",
                                 path);
-    /* A letter in front, so that an empty result is one that did not fit. */
+    /* A letter first, so that an empty result means that it did not fit. */
     snprintf(longer, sizeof longer, "x%s", path);
     char filled[MOST_NAME];
     if (!localtime_r(&now, &local) || !strftime(filled, sizeof filled, longer, &local))
@@ -99,7 +99,7 @@ static int put_time(const char *path, time_t now, char *text, pupil_why *why)
     return 0;
 }
 
-/* The first number for which nothing is there, or about to be. */
+/* The first number whose name neither exists nor is reserved. */
 static int put_number(const char *path, const char *at, size_t length, time_t now, char *text, pupil_why *why)
 {
     const int width = length > 2 ? atoi(at + 1) : 0;

@@ -1,4 +1,4 @@
-/* What people look for by a name that pupil has not got, from ffmpeg and cameras. */
+/* Names of options that people know from ffmpeg and cameras, and what pupil has instead. */
 #include <string.h>
 
 #include "option_table.h"

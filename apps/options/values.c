@@ -1,4 +1,4 @@
-/* What options are given: texts, checked, into settings. */
+/* Checks options' texts, and turns them into settings. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -35,7 +35,7 @@ int option_whole(const option_value *v, double low, double high, uint64_t *whole
     return OPTIONS_RUN;
 }
 
-/* [HOURS:]MINUTES:SECONDS, as ffmpeg and players have it; -1: none. */
+/* [HOURS:]MINUTES:SECONDS, as in ffmpeg and players; -1: not of this form. */
 static double clock_s(const char *text)
 {
     double s = 0.0;
@@ -191,7 +191,7 @@ static void range(const option_row *row, const char *unit, char *text, size_t by
         snprintf(text, bytes, "%s%s from %.15g to %.15g", what, comma, row->low, row->high);
 }
 
-/* "a, b or c", or of many words "one of a b c" */
+/* "a, b or c", or for many words "one of a b c" */
 static void alternatives(const option_row *row, char *text, size_t bytes)
 {
     size_t length = 0;

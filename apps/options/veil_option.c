@@ -7,7 +7,7 @@
 
 #include "refuse.h"
 
-/* What the library says of it, with a size that is right: the frame's is not known yet. */
+/* The library's check, with a valid size, because the frame's is not known yet. */
 static int check(const pupil_veil_config *c, const char *name, pupil_why *why)
 {
     pupil_veil_config sized = *c;

@@ -21,7 +21,7 @@ int frame_log_open(frame_log *log, int bounded)
     return make_room(log, bounded ? FRAME_LOG_BOUND : FIRST_ROOM);
 }
 
-/* The bound is even, so that the entry that comes next is kept. */
+/* The bound is even, so the next entry is one to keep. */
 static void thin_out(frame_log *log)
 {
     for (size_t i = 0; i < FRAME_LOG_BOUND / 2; i++)
@@ -40,7 +40,7 @@ int frame_log_add(frame_log *log, const frame_log_entry *entry)
         return -1;
     frame_log_entry *kept = &log->entry[log->count];
     *kept = *entry;
-    kept->name = log->is_bounded ? "" : strdup(entry->name); /* the source's own is gone with the frame */
+    kept->name = log->is_bounded ? "" : strdup(entry->name); /* the source's name lives only as long as the frame */
     log->count += kept->name != NULL;
     return kept->name ? 0 : -1;
 }

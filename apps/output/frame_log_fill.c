@@ -28,13 +28,13 @@ static const char *reason_word(uint32_t reason)
     return reason < sizeof words / sizeof words[0] ? words[reason] : "?";
 }
 
-/* W; 0 where there is no white point. */
+/* W; 0: no white point. */
 static double white_of(const pupil_curve *curve)
 {
     return curve->inverse_white_squared > 0.0f ? 1.0 / sqrt((double)curve->inverse_white_squared) : 0.0;
 }
 
-/* log2 of the scene's light over the frame's values, where exposure and gain are known. */
+/* log2 of the scene's light over the frame's values, if exposure and gain are known. */
 static double light_of(const frame_pipeline *p, double scale)
 {
     const float adapted = p->adapted.scale;
@@ -99,7 +99,7 @@ frame_log_entry frame_log_fill(const frame_pipeline *p, const pupil_frame *frame
     entry.adapted_ev = e.adapted_ev;
     entry.state = state_word(e.state);
     entry.reason = reason_word(e.reason);
-    pupil_stats_quantile(stats, 0.01, &entry.p01_ev); /* refused without light: the quantiles stay 0 */
+    pupil_stats_quantile(stats, 0.01, &entry.p01_ev); /* refused without light: then the quantiles stay 0 */
     pupil_stats_quantile(stats, 0.50, &entry.p50_ev);
     pupil_stats_quantile(stats, 0.99, &entry.p99_ev);
     const double light_ev = light_of(p, e.scale);

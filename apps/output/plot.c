@@ -31,8 +31,8 @@ static void script_of_run(FILE *out, int is_png, const void *context)
 
 /* --- the program --- */
 
-/* The line of gnuplot's complaint that says what is wrong: the last that is not empty (before it, it repeats the script
- * line with a mark under it). */
+/* The line of gnuplot's output that says what is wrong: the last non-empty one (above it are the script's line and a
+ * mark). */
 static void complaint(FILE *errors, char *line, size_t bytes)
 {
     char next[256];
@@ -47,8 +47,8 @@ static void complaint(FILE *errors, char *line, size_t bytes)
     }
 }
 
-/* Runs gnuplot with the script at its standard input and the picture from its standard output; no shell, no file name
- * in the script, nothing of the user's settings. 0, an errno, or -1: it failed and said so in `errors`. */
+/* Runs gnuplot with the script at its standard input and the picture from its standard output; without a shell, a file
+ * name in the script, or the user's settings. 0, an errno, or -1: it failed, and `errors` says why. */
 static int gnuplot(FILE *input, int output, FILE *errors)
 {
     char *arguments[] = {(char[]){"gnuplot"}, (char[]){"--default-settings"}, (char[]){"-"}, NULL};
@@ -73,7 +73,7 @@ static int gnuplot(FILE *input, int output, FILE *errors)
     return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
 }
 
-/* What gnuplot() gave back, where it is an errno, as a sentence. */
+/* The errno that gnuplot() returned, as a sentence. */
 static int not_started(const char *path, int error, pupil_why *why)
 {
     if (error == ENOENT)
@@ -118,7 +118,7 @@ int pupil_plot_check(const char *path, int overwrite, pupil_why *why)
     return failed ? not_started(path, failed, why) : 0;
 }
 
-/* A file without a name or a place: boards may have nowhere to write but where the plot goes. */
+/* A file in memory: boards may have no other writable folder than the plot's. */
 static FILE *in_memory(void)
 {
     const int fd = memfd_create("plot", MFD_CLOEXEC);
@@ -128,7 +128,7 @@ static FILE *in_memory(void)
     return file;
 }
 
-/* gnuplot does not say that a disk is full, so its picture is written by this program, which notices. */
+/* This program writes gnuplot's picture, because gnuplot does not report a full disk. */
 static int save(FILE *picture, const pupil_pending *pending, pupil_why *why)
 {
     char block[65536];

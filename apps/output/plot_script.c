@@ -1,4 +1,4 @@
-/* What gnuplot is given of a run. */
+/* The gnuplot script of a run. */
 #include "plot_script.h"
 
 #include <ctype.h>
@@ -6,7 +6,7 @@
 
 #include "plot_series.h"
 
-/* Colours that stay apart for every kind of colour vision: Okabe and Ito, Color Universal Design, 2008. */
+/* Colours that every kind of colour vision can distinguish: Okabe and Ito, Color Universal Design, 2008. */
 #define BLUE      "#0072B2"
 #define SKY       "#56B4E9"
 #define VERMILION "#D55E00"
@@ -16,7 +16,7 @@
 
 /* --- what is drawn --- */
 
-/* How far off what is aimed at the log-averages are of what the camera gave, and of what is shown of it. */
+/* The distance of the log-average from the wanted one: of the camera's frame, and of the shown one. */
 static double camera_error(const frame_log_entry *r)
 {
     return r->scene_ev + log2(r->exposure_s * r->gain / r->camera_key);
@@ -51,7 +51,7 @@ enum {
 };
 
 static const struct {
-    const char *name; /* of its data in the script; NULL: it has none of its own */
+    const char *name; /* of its data in the script; NULL: no own data */
     plot_value value;
 } series[VALUES] = {
     [TIME] = {NULL, {.offset = MEMBER(time_s)}},
@@ -80,7 +80,7 @@ static void range(const frame_log_entry *records, size_t count, int of, double *
 
 /* --- the script --- */
 
-/* In single quotes gnuplot takes every character as it is, but a quote, which is doubled, and a line end. */
+/* In single quotes gnuplot takes every character literally, except a quote, which is doubled, and a line end. */
 static void quoted(FILE *out, const char *text)
 {
     fputc('\'', out);
@@ -123,14 +123,14 @@ static const double camera_edges[] = {0.945, 0.70, 0.53, 0.41, 0.20, 0.055};
 static void panel(FILE *out, const double *top, int index, const char *label)
 {
     fprintf(out, "set tmargin at screen %g\nset bmargin at screen %g\n", top[index], top[index + 1] + 0.025);
-    /* A label in a fixed place: gnuplot puts its own next to the numbers, however far out that is. */
+    /* The label has a fixed place: gnuplot would put it next to the numbers, at varying distances. */
     fprintf(out, "set label 1 '%s' at screen 0.016, screen %g center rotate\n", label,
             0.5 * (top[index] + top[index + 1] + 0.025));
     fprintf(out, top[index + 1] < 0.1 ? "set format x '%%g'\nset xlabel 'time, seconds' offset 0,0.4\n"
                                       : "set format x ''\n");
 }
 
-/* What the camera was asked for, and what frames were taken with; both in powers of two. */
+/* The asked setting, and the one in force; both in powers of two. */
 static void camera_panel(FILE *out, int index, const char *label, int value, int asked, const frame_log_entry *records,
                          size_t count)
 {
@@ -147,14 +147,14 @@ static void camera_panel(FILE *out, int index, const char *label, int value, int
             series[asked].name, series[value].name);
 }
 
-/* What is aimed at is below the key, for the tone curve compresses. The number of the key is given where it was the
- * same all the time. */
+/* The wanted level is below the key, because the tone curve compresses. The key's number is given if it was
+ * constant. */
 static void aimed_line(FILE *out, const frame_log_entry *records, size_t count, const char *line)
 {
     double low = INFINITY, high = -INFINITY;
     range(records, count, KEY, &low, &high);
     fprintf(out, "plot %s w lines dt 2 lw 1.4 lc '#555555' t 'aimed at", line);
-    if (low <= high && high - low < 1e-9) /* it comes from a scale, which is rounded */
+    if (low <= high && high - low < 1e-9) /* it is computed from a rounded scale */
         fprintf(out, ": key %.3g", low);
     fputc('\'', out);
 }
@@ -218,7 +218,7 @@ static void share_panel(FILE *out, const double *edges, int index, const char *s
             style, style, style);
 }
 
-/* Of a camera whose exposure is known, what was asked of it and what it did, too. */
+/* If the camera's exposure is known, also what was asked and what was in force. */
 void plot_script(FILE *out, int is_png, const frame_log_entry *records, size_t count, const char *title)
 {
     const char *style = count <= 60 ? "linespoints pt 7 ps 0.5" : "lines";

@@ -52,7 +52,7 @@ const pupil_stats_field pupil_stats_fields[] = {
 };
 const size_t pupil_stats_live_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0];
 const size_t pupil_stats_field_count = sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] - LIVE_FIELDS;
-/* Where pointers have eight bytes, every field but `live` has. */
+/* If pointers have eight bytes, so has every field except `live`. */
 _Static_assert(sizeof(void *) != 8 ||
                    (sizeof pupil_stats_fields / sizeof pupil_stats_fields[0] * 8 + 8 == sizeof(frame_log_entry) &&
                     LIVE_FIELDS * 8 + offsetof(frame_log_entry, sequence) == sizeof(frame_log_entry)),

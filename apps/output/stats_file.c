@@ -16,13 +16,13 @@
 
 struct pupil_stats_file {
     FILE *file;
-    char *path; /* as the user said it */
+    char *path; /* as the user wrote it */
     pupil_pending pending;
     int is_stream, is_csv, is_array; /* .json: one array */
     uint64_t lines;
 };
 
-/* RFC 4180, 2.6 and 2.7: quoted where it holds a comma, a quote or a line end; quotes are doubled. */
+/* RFC 4180, 2.6 and 2.7: quoted if it has a comma, a quote or a line end; quotes are doubled. */
 static void csv_text(FILE *file, const char *text)
 {
     if (!strpbrk(text, ",\"\r\n")) {
@@ -48,7 +48,7 @@ static void csv_field(FILE *file, const frame_log_entry *record, const pupil_sta
         fprintf(file, "%.17g", pupil_stats_number(record, field));
 }
 
-/* The header or a record. Lines end with \r\n, as RFC 4180, 2.1 has them. */
+/* The header or a record. Lines end with \r\n, by RFC 4180, 2.1. */
 static void csv_line(FILE *file, const frame_log_entry *record, int header)
 {
     for (size_t i = 0; i < pupil_stats_fields_of(record); i++) {
@@ -133,7 +133,7 @@ int pupil_stats_file_write(pupil_stats_file *f, const frame_log_entry *record, p
             fputc('\n', f->file);
     }
     f->lines++;
-    /* A stream is read while it is written: each line goes out at once. */
+    /* A stream is read while it is written, so each line is flushed. */
     if (ferror(f->file) || (f->is_stream && fflush(f->file) != 0))
         return cannot_write(f, why);
     return 0;

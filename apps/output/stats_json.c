@@ -1,5 +1,4 @@
-/* apps/output/stats_json.c: a record as an object of JSON. Nothing is allocated for it, except for a text with odd
- * characters. */
+/* apps/output/stats_json.c: a record as an object of JSON. Only a text with odd characters allocates memory. */
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +16,7 @@ int pupil_stats_json_check(const char *path, pupil_why *why)
     return 0;
 }
 
-/* Whether a text is its own JSON. */
+/* Whether a text needs no escapes in JSON. */
 static int is_plain(const char *text)
 {
     for (; *text; text++)
@@ -52,7 +51,7 @@ int pupil_stats_json_object(FILE *file, const frame_log_entry *record)
         else if (field->kind == STATS_TEXT && write_text(file, pupil_stats_text(record, field)))
             return -1;
         else if (field->kind == STATS_NUMBER && isfinite(pupil_stats_number(record, field)))
-            fprintf(file, "%.17g", pupil_stats_number(record, field)); /* as many digits bring every double back */
+            fprintf(file, "%.17g", pupil_stats_number(record, field)); /* enough digits to restore every double */
         else if (field->kind == STATS_NUMBER)
             fputs("null", file);
     }

@@ -1,17 +1,17 @@
-/* After how many frames a written control acts: it is stepped, and the picture is watched. */
+/* Measures after how many frames a written control acts: steps the control, and watches the picture. */
 #include <math.h>
 
 #include "stream.h"
 
 #define STEP_FACTOR  4.0
 #define LEAST_FACTOR 1.5
-#define MOVED        0.3 /* of the step: more is no noise, and less than half of it a tone curve leaves, too */
+#define MOVED        0.3 /* of the step: above noise; reached even if a tone curve leaves less than half of it */
 #define LATEST       16  /* frames: the longest delay that pupil/sensor.h takes */
 #define MOST_STEPS   6
 #define MOST_MOVED   0.3  /* stops: half of what counts as moved, of a step by STEP_FACTOR */
-#define MOST_APART   0.25 /* the same step once more: shares of it that the picture made */
+#define MOST_APART   0.25 /* largest difference of the picture's shares of a step when it is repeated */
 
-/* Two settings to go back and forth between, one control apart. */
+/* Two settings, different in one control, to step between. */
 typedef struct stepping {
     pupil_camera_setting low, high;
     const char *control;
@@ -19,8 +19,8 @@ typedef struct stepping {
 
 enum { NO_MOVE = -1, NO_PICTURE = -2, NO_STEP = -3, MOVES = -4 };
 
-/* The frames from the one that was in progress to the first that moved, and what share of the step the picture made; or
- * one of the above. The state is asked after. */
+/* The number of frames from the one in progress to the first that moved, and the picture's share of the step; or one of
+ * the above. The caller then checks the state. */
 static int one_step(probe_stream *s, const stepping *steps, int up, double *share)
 {
     const pupil_camera_setting *to = up ? &steps->high : &steps->low;
@@ -43,7 +43,7 @@ static int one_step(probe_stream *s, const stepping *steps, int up, double *shar
             return NO_STEP;
         off_ev = fmax(off_ev, fabs(s->level.mean_ev - base.mean_ev));
         *share = (s->level.mean_ev - base.mean_ev) / step_ev;
-        in_a_row = *share > MOVED ? in_a_row + 1 : 0; /* a single one is a flash */
+        in_a_row = *share > MOVED ? in_a_row + 1 : 0; /* a single frame may be a flash */
         first = in_a_row == 1 ? s->sequence : first;
         if (in_a_row == 2)
             return first >= under_way ? (int)(first - under_way) : 0;
@@ -51,7 +51,7 @@ static int one_step(probe_stream *s, const stepping *steps, int up, double *shar
     return !probe_is_good(&s->level) ? NO_PICTURE : off_ev > MOST_MOVED ? MOVES : NO_MOVE;
 }
 
-/* The delay that most steps have; the longer one of two that as many have. */
+/* The most frequent delay of the steps; of equally frequent ones the longer. */
 static unsigned usual(const unsigned *delay, unsigned count)
 {
     unsigned best = 0, best_times = 0;
@@ -67,8 +67,8 @@ static unsigned usual(const unsigned *delay, unsigned count)
     return best;
 }
 
-/* Steps up and down until enough were seen: the delay of each, and by how much their shares are apart. Returns what
- * the last step came to. */
+/* Steps up and down until enough steps were seen: the delay of each, and the range of their shares. Returns the result
+ * of the last step. */
 static int take_steps(probe_stream *s, const stepping *steps, probe_delay *d, unsigned *delay, double *apart)
 {
     const unsigned wanted = s->options->quick ? 2 : 4;
@@ -84,7 +84,7 @@ static int take_steps(probe_stream *s, const stepping *steps, probe_delay *d, un
             *apart = most - least;
             delay[d->steps++] = (unsigned)last;
         } else if (last == NO_MOVE && !d->steps) {
-            break; /* it need not be asked more often */
+            break; /* asking more often is of no use */
         }
         const pupil_camera_setting now = probe_taken(s);
         probe_settle(s, now.exposure_s, now.gain);
@@ -92,7 +92,7 @@ static int take_steps(probe_stream *s, const stepping *steps, probe_delay *d, un
     return last;
 }
 
-/* Why too few steps were seen to say anything. */
+/* Says why too few steps were seen. */
 static void say_unknown(const probe_stream *s, const stepping *steps, int last, probe_known *is)
 {
     if (probe_gave_up(s, is))
@@ -140,7 +140,7 @@ void probe_delays(probe_stream *s, double exposure_s, double gain, double moved_
     }
     const pupil_camera_limits *l = &r->limits;
     stepping e = {{fmax(exposure_s / STEP_FACTOR, l->exposure_min_s), gain, 0}, {exposure_s, gain, 0}, "exposure"};
-    if (exposure_s < e.low.exposure_s * LEAST_FACTOR) /* at its shortest: the other way */
+    if (exposure_s < e.low.exposure_s * LEAST_FACTOR) /* at its shortest: step the other way */
         e.high.exposure_s = fmin(2.0 * exposure_s, s->longest_s);
     if (e.high.exposure_s >= e.low.exposure_s * LEAST_FACTOR)
         measure(s, &e, &r->exposure_delay);

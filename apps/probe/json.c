@@ -1,4 +1,4 @@
-/* What a probe found, for programs: the same as the text, with units in the names. */
+/* The results of a probe, for programs: the same as the text, with units in the names. */
 #include <math.h>
 
 #include "list/list_json.h"

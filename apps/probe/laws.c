@@ -3,7 +3,7 @@
 
 #include "stream.h"
 
-#define OBEYED     0.25 /* of the change of a control: with less the picture has not followed */
+#define OBEYED     0.25 /* of a control's change: if the level changes less, the picture has not followed */
 #define LEAST_STOP 0.9  /* of a control's change over all points */
 #define MOST_OFF   PROBE_STILL_EV
 
@@ -20,7 +20,7 @@ static int64_t code_of(const probe_report *r, double gain)
     return found ? pupil_camera_code_of_gain(&r->limits.gain, gain, &range) : 0;
 }
 
-/* Adds a point. 1: the picture is no longer one to measure; else the state. */
+/* Adds a point. 1: the picture can no longer be measured; else the state. */
 static int take_point(probe_stream *s, probe_law *law, double exposure_s, double gain)
 {
     probe_level level;
@@ -39,7 +39,7 @@ static int take_point(probe_stream *s, probe_law *law, double exposure_s, double
     return 0;
 }
 
-/* A point once more: light that changes is not the camera's fault. */
+/* Repeats a point: changing light is not the camera's fault. */
 static void take_drift(probe_stream *s, probe_law *law, unsigned i)
 {
     probe_level level;
@@ -56,7 +56,7 @@ static unsigned furthest_off(const probe_law *law)
     return furthest;
 }
 
-/* The slope of the level over the control, by least squares, with what the other control did taken out. */
+/* The slope of the level over the control, by least squares, without the effect of the other control. */
 static void fit(probe_stream *s, probe_law *law, int of_gain)
 {
     const probe_point *first = &law->point[0];
@@ -88,7 +88,7 @@ static void fit(probe_stream *s, probe_law *law, int of_gain)
     law->obeyed = law->slope > OBEYED;
 }
 
-/* What is not as it should be is looked at once more: a scene that moved for a moment does not say the same again. */
+/* A law that is off is measured again, because the scene may have moved for a moment. */
 static void judge(probe_stream *s, probe_law *law, int of_gain)
 {
     fit(s, law, of_gain);
@@ -121,7 +121,7 @@ static void exposure_law(probe_stream *s, double exposure_s, double gain)
     judge(s, law, 0);
 }
 
-/* At a level that stays: what gain adds, exposure takes away. */
+/* At a constant level: exposure is reduced as gain is raised. */
 static void gain_law(probe_stream *s, double total_s)
 {
     const pupil_camera_limits *l = &s->report->limits;
@@ -166,11 +166,11 @@ void probe_laws(probe_stream *s, double exposure_s, double gain, double moved_ev
 }
 
 /* --- black --- */
-/* What the darker tenth of the picture has at the shortest exposure, less the light in it: by how much it rises with
- * four times the exposure. */
+/* Black is the level of the darkest tenth of the picture at the shortest exposure, minus the light in it, which is
+ * found from the rise at four times the exposure. */
 
-#define MOST_LIGHT 0.02 /* of full scale: with more of it the difference says nothing of black */
-#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual); a picture that does not change may */
+#define MOST_LIGHT 0.02 /* of full scale: with more light the difference says nothing of black */
+#define MOST_BLACK 0.1  /* of full scale: no sensor has more (6 % is usual), but a picture that does not change may */
 
 static void measure_black(probe_stream *s)
 {

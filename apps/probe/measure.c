@@ -6,9 +6,9 @@
 #include "refuse.h"
 #include "stream.h"
 
-#define FIRST_SETTLE 10 /* frames: the longest delay that is usual, twice */
+#define FIRST_SETTLE 10 /* frames: twice the longest usual delay */
 #define MORE_SETTLE  2
-#define ALONE_S      2.0 /* of a camera without controls */
+#define ALONE_S      2.0 /* for a camera without controls */
 
 static void say(const probe_stream *s, const char *what)
 {
@@ -24,7 +24,7 @@ static void unknown_all(probe_report *r, const char *why)
             probe_unknown(all[i], "%s", why);
 }
 
-/* So that what follows waits no longer than it has to. */
+/* So that later steps wait no longer than needed. */
 static void shorten_settling(probe_stream *s)
 {
     const probe_delay *e = &s->report->exposure_delay, *g = &s->report->gain_delay;
@@ -44,7 +44,7 @@ static void measure_controls(probe_stream *s)
     s->settle = FIRST_SETTLE;
     const pupil_camera_setting before = probe_taken(s);
     say(s, "black");
-    probe_black_level(s); /* without it nothing that is linear looks so */
+    probe_black_level(s); /* without it linear pictures look nonlinear */
     probe_set(s, before.exposure_s, before.gain, &unused);
     say(s, "a level to measure at");
     probe_find_level(s, &found, &exposure_s, &gain);
@@ -63,7 +63,7 @@ static void measure(probe_stream *s)
 {
     probe_report *r = s->report;
     say(s, "the first frame");
-    if (probe_frame(s)) /* which has had its own time: drivers take up to seconds to it */
+    if (probe_frame(s)) /* not part of the time limit: drivers may take seconds for it */
         return;
     const int64_t began_ns = pupil_live_now_ns(s->source);
     s->camera = pupil_live_camera(s->source);

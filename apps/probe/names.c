@@ -1,4 +1,4 @@
-/* What numbers are called. */
+/* Names of numbers. */
 #include <stdio.h>
 
 #include "probe.h"

@@ -13,7 +13,7 @@
 #include "options/commands.h"
 #include "refuse.h"
 
-#define SECONDS       14.0 /* of the stream; the first frame has its own time */
+#define SECONDS       14.0 /* of the stream; the first frame does not count */
 #define QUICK_SECONDS 8.0
 
 typedef struct probe_run {

@@ -43,7 +43,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* What a tenth of the pixels, taken on a grid, is below: the statistics' bins are too wide for black. */
+/* The quantile at a tenth of the pixels, on a grid: the statistics' bins are too wide for black. */
 static double low_of(const pupil_image_const *image)
 {
     static double value[LOW_SIDE * LOW_SIDE];
@@ -96,13 +96,13 @@ static void time_it(probe_stream *s, const pupil_frame *frame)
     const double passed_s = (double)(f->stamp_ns - s->stamp_ns) * 1e-9;
     probe_interval *i = &s->report->interval;
     if (s->any && frame->info.sequence == s->sequence + 1) {
-        s->sum_s += passed_s - s->period_s; /* from the nominal one, so that squares are small */
+        s->sum_s += passed_s - s->period_s; /* relative to the nominal period, so that squares are small */
         s->square_s += (passed_s - s->period_s) * (passed_s - s->period_s);
         i->least_s = s->intervals ? fmin(i->least_s, passed_s) : passed_s;
         i->most_s = fmax(i->most_s, passed_s);
         s->intervals++;
     }
-    if (!s->after_wait) /* else frames have waited for us */
+    if (!s->after_wait) /* otherwise the frame has waited in the queue */
         s->latency_s[s->latencies++ % PROBE_LATENCIES] = (double)(f->taken_ns - f->stamp_ns) * 1e-9;
     s->after_wait = pupil_live_now_ns(s->source) - f->stamp_ns > (int64_t)(s->period_s * 1e9);
     s->sequence = frame->info.sequence;
@@ -183,7 +183,7 @@ int probe_set(probe_stream *s, double exposure_s, double gain, uint64_t *under_w
                      MOST_WAIT_MS / 1000);
         return s->state = -1;
     }
-    /* Frames that ended meanwhile, by the clock, though they were not taken yet. */
+    /* Frames that have ended meanwhile, by the clock, but were not taken yet. */
     const int from_start = s->report->latency.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE;
     const double passed = (double)(pupil_live_now_ns(s->source) - s->stamp_ns) * 1e-9 / s->period_s - from_start;
     *under_way = s->sequence + 1 + (passed >= 1.0 ? (uint64_t)fmin(passed, 1000.0) : 0);
@@ -204,8 +204,8 @@ int probe_settle(probe_stream *s, double exposure_s, double gain)
 
 /* --- the working level --- */
 
-/* The level that all is measured around: log2 0.12, and the brightest a stop and a half below full, so that twice the
- * light still fits. */
+/* Measurements are made around this level, log2 0.12. The brightest pixels are a stop and a half below full scale, so
+ * that twice the light still fits. */
 #define WANTED_EV  (-3.06)
 #define ROOM_EV    (-1.5)
 #define NEAR_EV    0.4
@@ -242,7 +242,7 @@ void probe_find_level(probe_stream *s, probe_known *found, double *exposure_s, d
         double next_exposure_s, next_gain;
         total_s = before_s * exp2(fmin(fmax(off_ev, -4.0), 4.0));
         split(s, total_s, &next_exposure_s, &next_gain);
-        bound = fabs(log2(next_exposure_s * next_gain / before_s)) < 0.1; /* at an end of what it can */
+        bound = fabs(log2(next_exposure_s * next_gain / before_s)) < 0.1; /* at a limit of the controls */
     }
     if (probe_gave_up(s, found))
         return;

@@ -1,4 +1,4 @@
-/* What a probe found, for people: a word, and what there is to it. */
+/* The results of a probe, for people: a word, and its details. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

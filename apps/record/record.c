@@ -24,10 +24,10 @@ typedef struct record {
     pupil_source *source;
     char device[PATH_MAX];    /* of the camera */
     const char *name;         /* of the input */
-    const pupil_live *camera; /* NULL: the source is no camera */
+    const pupil_live *camera; /* NULL: the source is not a camera */
     pupil_recorder *recorder;
     int64_t first_ns;
-    uint64_t taken, bytes; /* frames from the source; bytes of them */
+    uint64_t taken, bytes; /* frames from the source, and their bytes */
     pupil_recorder_counts counts;
     progress progress;
 
@@ -67,7 +67,7 @@ static int begin_exposure(record *r)
     return run_choose_mode(&r->options.run, r->source, NULL, &r->why);
 }
 
-/* From the first frame on, which says the time; one that was unplugged and came back is taken again. */
+/* From the first frame on, which has the time; a camera that was unplugged and came back is taken again. */
 static int follow_light(record *r, const pupil_frame *frame)
 {
     pupil_curve unused;
@@ -206,13 +206,13 @@ static int end(record *r, int failed)
     pupil_recorder_get_counts(r->recorder, &r->counts);
     if (pupil_recorder_close(r->recorder, failed ? &unused : &r->why))
         return -1;
-    r->counts.written = r->taken - r->counts.lost; /* those that waited, too */
+    r->counts.written = r->taken - r->counts.lost; /* also those that waited */
     return failed;
 }
 
 int record_on(const pupil_live_system *system, int argc, char **argv)
 {
-    static record r; /* one run at a time; pupil_t and pupil_stats are large for a stack */
+    static record r; /* one run at a time; pupil_t and pupil_stats are too large for a stack */
     memset(&r, 0, sizeof r);
     const int parsed = record_options_parse(&r.options, argc, argv, &r.why);
     if (parsed == OPTIONS_HELP)

@@ -49,7 +49,7 @@ static void put_half(const compare *c, const pupil_image *half, uint32_t x)
                (const uint8_t *)half->data + (ptrdiff_t)y * half->stride_bytes, 3 * (size_t)half->width);
 }
 
-/* A pixel of the font, `scale` pixels of the picture a side. */
+/* A pixel of the font: a square of `scale` pixels of the picture. */
 static void put_dot(const compare *c, uint32_t x, uint32_t y, uint32_t scale, uint8_t code)
 {
     for (uint32_t row = y; row < y + scale && row < c->picture.height; row++)

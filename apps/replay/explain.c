@@ -6,9 +6,9 @@
 
 #include "common/report_error.h"
 
-/* Stops that a person sees side by side, and so are worth a sentence: an eighth. */
+/* A difference that a person sees side by side is worth a sentence: an eighth of a stop. */
 #define VISIBLE_EV 0.125
-/* Shares of pixels or samples that are worth one. */
+/* Shares of pixels or samples worth a sentence. */
 #define VISIBLE_SHARE 0.01
 
 static double percent(double share)
@@ -42,7 +42,7 @@ static void tell_light(FILE *out, const frame_log_entry *e)
                 percent(e->bad_share));
 }
 
-/* How far the level is from where this frame alone would have it: above 0, the picture is darker than it will be. */
+/* The level's distance from the level of this frame alone: above 0, the picture is darker than it will be. */
 static double lag_of(const frame_log_entry *e)
 {
     return e->adapted_ev - e->metered_ev - e->held_back_ev;

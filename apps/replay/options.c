@@ -154,7 +154,7 @@ static int check_veil(const frame_options *o, int fov_given, pupil_why *why)
     return 0;
 }
 
-/* As people know it from ffmpeg. */
+/* Accepts the names that people know from ffmpeg. */
 static void spell_out(int argc, char **argv)
 {
     static char start[] = "--ss";
@@ -163,7 +163,7 @@ static void spell_out(int argc, char **argv)
             argv[i] = start;
 }
 
-/* What acts on the default law alone, or on video alone. */
+/* Checks options that act only on the default law, or only on video. */
 static int check_acting(const frame_options *o, const option_words *words, pupil_why *why)
 {
     static const char *const of_seconds[] = {"tau-light", "tau-dark"};
@@ -177,7 +177,7 @@ static int check_acting(const frame_options *o, const option_words *words, pupil
     return 0;
 }
 
-/* Without outputs there is nothing to be done after that frame. */
+/* Without outputs nothing is left to do after that frame. */
 static int check_explain(frame_options *o, pupil_why *why)
 {
     int taken = o->stats && strcmp(o->stats, "-") == 0;
@@ -202,7 +202,7 @@ static int is_among(const option_row *row, const option_row *rows, size_t count)
     return row >= rows && row < rows + count;
 }
 
-/* Whether the left picture can have another value than the right one: not what is of the file or the machine. */
+/* Whether the two pictures can have different values: not for options of the file or the machine. */
 static int is_of_side(const option_row *row)
 {
     static const char *const of_run[] = {"transfer", "output-primaries", "gles", "gles-version", "threads", "dither"};
@@ -214,7 +214,7 @@ static int is_of_side(const option_row *row)
            is_among(row, look_rows, sizeof look_rows / sizeof *look_rows);
 }
 
-/* Whether an option outside of the quotes changes both. */
+/* Whether an option outside the quotes changes both sides. */
 static int is_changed(const option_words *words)
 {
     const option_row *row;
@@ -237,7 +237,7 @@ static int check_side(const option_words *words, pupil_why *why)
     return 0;
 }
 
-/* What a side says replaces what excludes it. */
+/* An option of a side replaces options that exclude it. */
 static void replace_others(frame_options *o, const option_words *words)
 {
     if (options_given(&replay_command, words, "key") && !options_given(&replay_command, words, "key-at"))
@@ -265,7 +265,7 @@ int replay_options_side(const frame_options *options, int which, replay_side *si
 {
     static char name[] = "replay";
     const char *text = options->compare[which];
-    char *argv[sizeof side->words / 2 + 2] = {name}; /* a word and a space take two characters at least */
+    char *argv[sizeof side->words / 2 + 2] = {name}; /* a word and a space are at least two characters */
     int argc = 1;
     pupil_why words;
     side->options = *options;
@@ -285,7 +285,7 @@ int replay_options_side(const frame_options *options, int which, replay_side *si
                         is_next ? compare_right : "");
 }
 
-/* What shows one picture alone, or measures it. */
+/* Refuses options that show or measure a single picture. */
 static int check_compare(const frame_options *o, pupil_why *why)
 {
     static replay_side unused;
@@ -305,7 +305,7 @@ static int check_compare(const frame_options *o, pupil_why *why)
     return o->out_count ? 0 : pupil_refuse(why, "--compare: -o out.mp4 or another output is missing");
 }
 
-/* An output where inputs are: pupil replay in.mp4 out.mp4. */
+/* Refuses an output among the inputs: pupil replay in.mp4 out.mp4. */
 static int check_inputs(const frame_options *o, pupil_why *why)
 {
     const char *last = o->input_count == 2 ? o->inputs[1] : NULL;

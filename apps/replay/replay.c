@@ -1,4 +1,4 @@
-/* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of it. */
+/* pupil replay: recorded frames through meter -> adapt -> map, and everything that a user wants to see of them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,11 +20,11 @@ typedef struct replay {
     any_scale scale;
     replay_side side[2]; /* of --compare */
     compare compare;
-    int64_t last_ns; /* the last frame's moment */
-    int64_t loop_ns; /* how much later than its file says this pass of --loop is */
+    int64_t last_ns; /* the last frame's time */
+    int64_t loop_ns; /* how much later than the file's times this pass of --loop is */
     uint64_t skipped;
-    uint64_t bad_frames;    /* with pixels that are NaN or infinite */
-    double bad_share;       /* of the pixels of the worst of them */
+    uint64_t bad_frames;    /* frames with NaN or infinite pixels */
+    double bad_share;       /* share of such pixels in the worst frame */
     uint32_t width, height; /* of the first frame */
 } replay;
 
@@ -83,7 +83,7 @@ static int goes_on(const replay *r)
     return !interrupt_came() && session_goes_on(&r->session);
 }
 
-/* A frame as often as --hold says, each with its own moment. */
+/* Takes a frame as often as --hold says, each time with its own timestamp. */
 static int take(replay *r, const pupil_frame *read, double read_us)
 {
     const frame_options *o = &r->options;
@@ -108,7 +108,7 @@ static int take(replay *r, const pupil_frame *read, double read_us)
     return 0;
 }
 
-/* Options that this input does not obey are refused, where they would do nothing. */
+/* Refuses options that have no effect on this input. */
 static int check_obeyed(replay *r)
 {
     const pupil_source_options *asked = &r->options.source;
@@ -137,15 +137,15 @@ static int place_in_time(const replay *r, const pupil_frame *frame)
 {
     const frame_options *o = &r->options;
     const double at_s = (double)frame->info.timestamp_ns * 1e-9;
-    /* Half a period of grace: -ss 2 is the frame at 1.9999 s, too. */
+    /* A tolerance of half a period: -ss 2 also takes the frame at 1.9999 s. */
     const double grace_s = 0.5 / r->session.source->fps;
     if (at_s < o->start_s - grace_s)
         return -1;
     return o->duration_s > 0.0 && at_s >= o->start_s + o->duration_s - grace_s;
 }
 
-/* The input is at its end: from its beginning again, its first frame a period after the last one. 1: it is not to be;
- * -1: it cannot. */
+/* At the end of the input: starts again from its beginning, with the first frame a period after the last one. 1: not to
+ * be repeated; -1: impossible. */
 static int again(replay *r, uint64_t shown_before)
 {
     session *s = &r->session;
@@ -259,7 +259,7 @@ static int finish(replay *r)
     return session_outputs_finish(&s->outputs, &s->why);
 }
 
-/* After Ctrl-C: what is there all the same. */
+/* After Ctrl-C: names the outputs that exist. */
 static void tell_interrupted(const replay *r)
 {
     const session *s = &r->session;
@@ -295,12 +295,12 @@ static void tell(const replay *r, const char *by)
 
 int replay_main(int argc, char **argv)
 {
-    static replay r; /* one run a process; pupil_t and pupil_stats are large for a stack */
+    static replay r; /* one run per process; pupil_t and pupil_stats are too large for a stack */
     session *s = &r.session;
     char command[4096], by[800];
     s->command = "pupil replay";
     s->options = &r.options;
-    command_line(command, sizeof command, argc, argv); /* before parsing moves argv about */
+    command_line(command, sizeof command, argc, argv); /* before parsing reorders argv */
     const int parsed = replay_options_parse(&r.options, argc, argv, &s->why);
     r.options.command = command;
     if (parsed == OPTIONS_HELP)

@@ -31,7 +31,7 @@ typedef struct figures {
     double ev_low, ev_high, level; /* metered light; mean log2 of the display's level */
     double black, clipped, bad, zero, full, most_zero, most_full;
     double read_us, process_us, write_us;
-    double length_s; /* from the first frame to the last, and the last one's own time */
+    double length_s; /* from the first frame to the last, plus the last one's own duration */
 } figures;
 
 static double larger(double a, double b)
@@ -83,7 +83,7 @@ static void fact(FILE *out, const char *what, const char *format, ...)
 void report_head(FILE *out, const pupil_report_page *page, const report_sums *sums)
 {
     figures f = measure(page);
-    /* The policy is the promise, kept by the browser: nothing is loaded, nothing runs. */
+    /* With this policy the browser ensures that nothing is loaded and nothing runs. */
     fputs(REPORT_MARK "<meta charset=\"utf-8\">\n"
                       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
                       "media-src data:; style-src 'unsafe-inline'\">\n"
@@ -168,7 +168,7 @@ static void share(FILE *out, const char *label, double mean, double most)
     row(out, &(pupil_report_row){label, text, "%", NULL});
 }
 
-/* How many frames had a reason, if any. */
+/* The number of frames that had a reason, if any. */
 static void reason(FILE *out, const pupil_report_page *page, const char *label, const char *word)
 {
     size_t frames = 0;
@@ -196,7 +196,7 @@ static void own_figures(FILE *out, const pupil_report_page *page, const report_s
     number(out, "input pixels NaN or infinite", "%", "%.3g", 100.0 * f.bad);
     number(out, "read", "ns / pixel", "%.2f", f.read_us * ns);
     number(out, "meter + adapt + map", "ns / pixel", "%.2f", f.process_us * ns);
-    if (f.write_us * ns >= 0.01) /* else there was no output besides the page */
+    if (f.write_us * ns >= 0.01) /* otherwise the page is the only output */
         number(out, "write", "ns / pixel", "%.2f", f.write_us * ns);
 }
 

@@ -25,7 +25,7 @@ struct replay_report {
     pupil_curve first;
     unsigned char *fixed; /* RGB8 */
     size_t fixed_bytes;
-    void *copy; /* of a frame: what a memcpy costs */
+    void *copy; /* of a frame, to time a memcpy */
     size_t copy_bytes;
     uint64_t frames;
     uint32_t primaries; /* of the pictures */
@@ -63,7 +63,7 @@ static void *room(void *old, size_t *have, size_t bytes)
     return fresh;
 }
 
-/* The frame at the exposure of the first one; NULL where that cannot be had. */
+/* The frame at the exposure of the first one; NULL: not possible. */
 static const pupil_image_const *map_fixed(replay_report *r, const pupil_image_const *in, pupil_image_const *fixed)
 {
     size_t row = (size_t)in->width * 3;
@@ -88,7 +88,7 @@ static double time_memcpy(replay_report *r, const pupil_image_const *in)
     r->copy = room(r->copy, &r->copy_bytes, row * in->height);
     if (!r->copy)
         return 0.0;
-    memset(r->copy, 0, row * in->height); /* pages are there before the clock runs */
+    memset(r->copy, 0, row * in->height); /* no page faults while the clock runs */
     double began_s = progress_now_s();
     for (uint32_t y = 0; y < in->height; y++)
         memcpy((unsigned char *)r->copy + y * row, pupil_image_rows(*in, y, 1).data, row);
@@ -115,7 +115,8 @@ int replay_report_frame(replay_report *r, const pupil_frame *frame, const pupil_
         r->first = *curve;
     if (!r->options->reset_each && pupil_report_wants(r->page))
         fixed = map_fixed(r, &frame->image, &fixed_image);
-    if (r->options->reset_each || (n & (n + 1)) == 0) /* unrelated pictures, or 0, 1, 3, 7 ...: a few of any run */
+    if (r->options->reset_each || (n & (n + 1)) == 0) /* unrelated pictures, or 0, 1, 3, 7 ...: a few frames of any
+                                                       * run */
         verify(r, &frame->image, curve, rgb8, stats, record);
     if (r->video && pupil_sink_write(r->video, rgb8, &frame->info, &r->note)) {
         pupil_sink_discard(r->video);
@@ -213,11 +214,11 @@ int replay_report_finish(replay_report *r, const frame_log_entry *records, size_
     pupil_why plot_note = {""};
     if (r->video && pupil_sink_finish(r->video, &r->note) == PUPIL_SINK_OK)
         r->video = NULL;
-    /* pictures that are adapted to one by one have no time */
+    /* without adaptation over time there is nothing to plot */
     if (count > 1 && !r->options->reset_each &&
         pupil_plot_write(pupil_report_plot(r->page), 1, records, count, "", &plot_note))
         pupil_refuse(&r->note, "No plot: %s", plot_note.text);
-    if (interrupt_came()) { /* gnuplot, too, hears Ctrl-C */
+    if (interrupt_came()) { /* gnuplot gets Ctrl-C, too */
         replay_report_discard(r);
         return -1;
     }

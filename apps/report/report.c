@@ -15,16 +15,16 @@
 #include "page.h"
 #include "refuse.h"
 
-/* Kept while frames come, so that those shown in the end are spread evenly enough; even, because it is halved. 120
- * thumbnails of 320x180 are 21 MB. */
+/* Frames kept during the run, enough for the shown ones to be spread evenly; even, because it is halved. 120 thumbnails
+ * of 320x180 are 21 MB. */
 #define KEPT 120
 
-/* From here on it is seen that a frame is darker or brighter than it is to become. */
+/* From this distance on one sees that a frame is darker or brighter than it will become. */
 #define TOLD_EV 0.5
 
 struct pupil_report {
     pupil_pending page;
-    pupil_pending parts; /* a folder that is never put in place: what the page is made of lies in it */
+    pupil_pending parts; /* a folder with the parts of the page, never put in place */
     char *folder, *video, *plot, *picture;
     int made_folder, stills;
     report_picture kept[KEPT];
@@ -35,7 +35,7 @@ struct pupil_report {
 
 /* --- begin and end --- */
 
-/* An index.html that is there: may it go? */
+/* Whether an existing index.html may be replaced. */
 static int may_replace(const char *path, int overwrite, pupil_why *why)
 {
     char start[sizeof REPORT_MARK] = "";
@@ -55,7 +55,7 @@ static int make_folder(pupil_report *r, pupil_why *why)
 {
     struct stat s;
     r->made_folder = mkdir(r->folder, 0777) == 0;
-    int error = errno; /* of mkdir; stat has one of its own */
+    int error = errno; /* of mkdir; stat overwrites errno */
     if (r->made_folder || (stat(r->folder, &s) == 0 && S_ISDIR(s.st_mode)))
         return 0;
     if (error == ENOENT)
@@ -137,7 +137,7 @@ void pupil_report_discard(pupil_report *r)
     pupil_pending_discard(&r->page);
     pupil_pending_discard(&r->parts);
     if (r->made_folder)
-        rmdir(r->folder); /* stays where it holds something */
+        rmdir(r->folder); /* fails if the folder is not empty */
     free(r->folder);
     free(r->video);
     free(r->plot);
@@ -193,7 +193,7 @@ int pupil_report_frame(pupil_report *r, const pupil_image_const *rgb8, const pup
 
 /* --- the page --- */
 
-/* A file's bytes as a data URI; 0, 1: longer than `most`, -1 and a sentence. */
+/* A file's bytes as a data URI; 0; 1: longer than `most`; -1 and a sentence. */
 static int embed(FILE *out, const char *type, const char *path, uint64_t most, pupil_why *why)
 {
     FILE *in = fopen(path, "rbe");
@@ -220,15 +220,15 @@ static int put_picture(const pupil_report *r, FILE *out, const thumbnail *t, con
     return 0;
 }
 
-/* Of the kept frames so many, evenly spaced. */
+/* Chooses n of the kept frames, evenly spaced. */
 static void choose_evenly(const pupil_report *r, size_t n, unsigned char *is_shown)
 {
     for (size_t i = 0; i < n; i++)
         is_shown[n > 1 ? (i * (r->count - 1) + (n - 1) / 2) / (n - 1) : 0] = 1;
 }
 
-/* The frame farthest from adapted, by TOLD_EV at least, that neither is shown nor beside one that was chosen here. 0:
- * there is none. */
+/* The frame farthest from adapted, by at least TOLD_EV, that is neither shown nor next to one that was chosen here. 0:
+ * none. */
 static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
 {
     double most = TOLD_EV;
@@ -243,8 +243,8 @@ static size_t farthest(const pupil_report *r, const unsigned char *is_shown)
     return best;
 }
 
-/* Of n frames at most; how many there are. After the light of a clip has changed, adaptation is over before the next of
- * a few evenly spaced frames: a third are therefore those farthest from adapted, of which `told` are found. */
+/* Chooses at most n frames; returns how many. After a change of a clip's light, adaptation is over before the next of a
+ * few evenly spaced frames. So a third are the frames farthest from adapted, of which `told` are found. */
 static size_t choose(const pupil_report *r, size_t n, unsigned char *is_shown, size_t *told)
 {
     const size_t most_told = r->stills || n == r->count || !farthest(r, is_shown) ? 0 : n / 3;
@@ -308,7 +308,7 @@ static int put_video(const pupil_report *r, FILE *out, pupil_why *why)
     return failed;
 }
 
-/* As an image, so that nothing inside it can reach the page. */
+/* Embedded as an image, so that nothing inside it can affect the page. */
 static int put_plot(const pupil_report *r, FILE *out, pupil_why *why)
 {
     if (access(r->plot, F_OK) != 0)

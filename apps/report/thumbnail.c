@@ -17,7 +17,7 @@ static unsigned char encode(double light)
     return (unsigned char)(255.0 * (v < 1.0 ? v : 1.0) + 0.5);
 }
 
-/* How much of source pixel i the span [from, to) covers. */
+/* The share of source pixel i that [from, to) covers. */
 static double cover(uint32_t i, double from, double to)
 {
     double low = from > i ? from : i, high = to < i + 1.0 ? to : i + 1.0;

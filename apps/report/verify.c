@@ -16,8 +16,8 @@ static const double *luma_of(const pupil_config *config)
     return config->primaries == PUPIL_PRIMARIES_BT2020 ? bt2020 : bt709;
 }
 
-/* From the input's primaries to the picture's (config.h); the program has no matrix of its own. SMPTE RP 177-1993 from
- * the chromaticities of BT.709 and BT.2020, to ten digits. */
+/* From the input's primaries to the picture's (config.h); the program does not use the library's matrix. By SMPTE RP
+ * 177-1993 from the chromaticities of BT.709 and BT.2020, to ten digits. */
 static const pupil_config *to_picture(const pupil_config *config, pupil_config *picture, double rgb[3])
 {
     static const double m[2][9] = {{1.66049100211, -0.587641138789, -0.0728498633199, -0.124550474522, 1.13289989713,
@@ -37,7 +37,7 @@ static const pupil_config *to_picture(const pupil_config *config, pupil_config *
     return picture;
 }
 
-/* The display sample that the definitions give; config.h and pupil.h say each of them. */
+/* The display sample by the definitions of config.h and pupil.h. */
 static int display_code(uint32_t transfer, double light)
 {
     light = clamp(light, 0.0, 1.0);
@@ -63,7 +63,7 @@ static double root_at(const pupil_curve *curve, double t)
     return curve->levels ? fmin(floor(root * levels), levels - 1.0) / (levels - 1.0) : root;
 }
 
-/* What a pixel of luminance y is multiplied by. */
+/* The factor for a pixel of luminance y. */
 static double gain_of(const pupil_curve *curve, double y)
 {
     const double u = (double)curve->scale * y, t = fmax((double)curve->knot_scale * y, 1.0);
@@ -104,8 +104,8 @@ static long double logarithm(const pupil_config *config, long double luminance)
     return log2l((long double)clamp((double)luminance, (double)config->floor, 0x1p30));
 }
 
-/* The display's samples; returns the sum of the logarithms of what they were made of. `step`: 2 where each is of a
- * quad. */
+/* Compares the display's samples; returns the sum of the logarithms of their luminances in the input. `step`: 2 if each
+ * sample is of a quad. */
 static long double compare(verify_figures *figures, const pupil_config *config, const pupil_image_const *in,
                            const pupil_curve *curve, const pupil_image_const *out, uint32_t step)
 {

@@ -9,7 +9,7 @@
 #include "options/commands.h"
 #include "refuse.h"
 
-/* Those of the command line that can change while frames come. Names, values and sentences are the same. */
+/* The command line's options that can change while frames come. Names, values and sentences are the same. */
 static const char *const changeable[] = {"ev",       "key",         "key-at",        "metering",  "roi",
                                          "trim",     "highlights",  "amplification", "tau-light", "tau-dark",
                                          "gain-max", "shutter-max", "day-night"};
@@ -18,7 +18,7 @@ static const char more[] = "ev, key, key-at, lock, metering, roi, trim, highligh
 
 static const char blanks[] = " \t";
 
-#define USUAL_FRAMES 30 /* in which a person switches a filter: a second */
+#define USUAL_FRAMES 30 /* a second, in which a person changes a filter */
 
 /* --- status --- */
 
@@ -82,7 +82,7 @@ static int set_lock(run_options *o, const char *value, pupil_why *why)
     return 0;
 }
 
-/* "off" takes away what the camera does without. 1: it did. */
+/* "off" removes a setting that the camera does not need. 1: removed. */
 static int set_off(run_options *o, const char *name)
 {
     pupil_config *c = &o->shown.config;
@@ -129,7 +129,7 @@ static int is_changeable(const char *name)
     return 0;
 }
 
-/* What the run's mode and camera make of it. */
+/* Checks a change against the run's mode and camera. */
 static int check(const run_ask *a, const run_options *o, const char *name, pupil_why *why)
 {
     const char *fault = "";
@@ -148,7 +148,7 @@ static int check(const run_ask *a, const run_options *o, const char *name, pupil
     return 0;
 }
 
-/* "STOPS[,FRAMES]": light that is known to change. */
+/* "STOPS[,FRAMES]": an announced change of light. */
 static int announce(run_ask *a, const char *name, const char *text, pupil_why *why)
 {
     const uint32_t what = strcmp(name, "filter") == 0 ? PUPIL_SENSOR_CHANGE_FILTER : PUPIL_SENSOR_CHANGE_LIGHT;

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What is set manually must be among what the camera has. */
+/* Manual settings must be within the camera's range. */
 static int check_hand(const run_options *o, pupil_camera *camera, pupil_why *why)
 {
     pupil_camera_limits limits;
@@ -69,7 +69,7 @@ int run_choose_outputs(const run_options *o, pupil_why *why)
         }
     }
     frame_options all = *s;
-    all.report = o->resume; /* a run has no report: all that is written needs a place of its own */
+    all.report = o->resume; /* in place of a report, which a run has not: everything written needs its own place */
     all.control = o->control;
     if ((o->resume || o->control) && frame_options_check_paths(&all, why))
         return OPTIONS_USAGE;

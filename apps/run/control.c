@@ -15,8 +15,8 @@
 #include "refuse.h"
 
 enum {
-    WAITING = 64,      /* that nobody has accepted yet */
-    MOST_SKIPPED = 256 /* parts of a line that is too long, between two frames: 128 KiB */
+    WAITING = 64,      /* connections not yet accepted */
+    MOST_SKIPPED = 256 /* parts of a too long line, between two frames: 128 KiB */
 };
 
 typedef struct client {
@@ -104,10 +104,10 @@ static void receive(client *c)
     if (got > 0)
         c->in_bytes += (size_t)got;
     else if (room && !c->has_ended && (got == 0 || (errno != EAGAIN && errno != EINTR)))
-        c->has_ended = 1; /* what it sent of a line without an end is no line */
+        c->has_ended = 1; /* an unfinished line is ignored */
 }
 
-/* The next line of those that have come; NULL: none is whole. It stays until the next call of receive. */
+/* The next received line; NULL: none is complete. It is valid until the next call of receive. */
 static char *next_line(client *c, char line[CONTROL_LINE_BYTES])
 {
     char *end = memchr(c->in, '\n', c->in_bytes);
@@ -135,7 +135,7 @@ static char *next_line(client *c, char line[CONTROL_LINE_BYTES])
     return line;
 }
 
-/* Up to `most` lines; how many. */
+/* Answers up to `most` lines; returns how many. */
 static int serve(run_control *s, client *c, int most)
 {
     char line[CONTROL_LINE_BYTES], answer[CONTROL_ANSWER_BYTES];
@@ -145,7 +145,7 @@ static int serve(run_control *s, client *c, int most)
             receive(c);
         const size_t before = c->in_bytes;
         if (!next_line(c, line)) {
-            if (c->in_bytes == before || ++skipped > MOST_SKIPPED) /* else a part of a long one went */
+            if (c->in_bytes == before || ++skipped > MOST_SKIPPED) /* otherwise a part of a long line was skipped */
                 break;
             continue;
         }
@@ -205,17 +205,17 @@ void run_control_serve(run_control *s)
     for (int i = 0; i < WAITING && accept_next(s); i++)
         ;
     for (size_t i = 0; i < CONTROL_CLIENTS; i++)
-        if (s->client[i].fd >= 0) /* a flood of one does not keep the others waiting */
+        if (s->client[i].fd >= 0) /* a client that floods does not delay the others */
             left -= serve(s, &s->client[i],
                           left < CONTROL_LINES / CONTROL_CLIENTS ? left : CONTROL_LINES / CONTROL_CLIENTS);
 }
 
-/* What a run that was killed has left. */
+/* Removes the socket of a killed run. */
 static int remove_stale(const char *path, const struct sockaddr_un *at, pupil_why *why)
 {
     struct stat is;
     if (lstat(at->sun_path, &is) != 0)
-        return 0; /* bind says what else is wrong */
+        return 0; /* bind reports any other error */
     if (!S_ISSOCK(is.st_mode))
         return pupil_refuse(why, "--control %s: is there already, and no socket; name another path", path);
     const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -231,7 +231,7 @@ static int remove_stale(const char *path, const struct sockaddr_un *at, pupil_wh
 static int listen_at(run_control *s, pupil_why *why)
 {
     s->fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const mode_t before = umask(0177); /* nobody else may connect, from the beginning */
+    const mode_t before = umask(0177); /* from the beginning no other user may connect */
     const int failed = s->fd < 0 || bind(s->fd, (const struct sockaddr *)&s->at.address, sizeof s->at.address) != 0;
     const int error = errno;
     umask(before);

@@ -12,8 +12,8 @@ enum { MOST_LINE = 64 + sizeof(pupil_live_identity), MOST_CAMERAS = 64, MOST_BYT
 
 typedef struct text {
     FILE *in;
-    size_t bytes; /* that were read */
-    int has_text; /* one of them was not 0 */
+    size_t bytes; /* read so far */
+    int has_text; /* one byte was not 0 */
     char line[MOST_LINE];
 } text;
 
@@ -35,7 +35,7 @@ static int next_line(text *t)
     return length > 0;
 }
 
-/* "TOTAL\tDRIVER\tBUS\tCARD\n": the total, and what follows it. 0: it is no such line. */
+/* "TOTAL\tDRIVER\tBUS\tCARD\n": the total, and what follows it. 0: not such a line. */
 static int split_line(char *line, double *total_s, const char **camera)
 {
     char *end;
@@ -47,7 +47,7 @@ static int split_line(char *line, double *total_s, const char **camera)
     return card && !strchr(card + 1, '\t');
 }
 
-/* What a loss of power may leave of a file that had just been written: its size, and zeros. */
+/* A loss of power may leave a just written file with its size, but all zeros. */
 static int is_zeroed(text *t)
 {
     while (!t->has_text && next_line(t))

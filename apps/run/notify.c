@@ -12,13 +12,13 @@
 
 #include "refuse.h"
 
-/* What the socket took: 1. */
+/* 1: the socket took the text. */
 static int send_text(const run_notify *n, const char *text)
 {
     return send(n->fd, text, strlen(text), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
 
-/* "/path" or, of a socket without a file, "@name". */
+/* "/path", or "@name" for a socket without a file. */
 static int connect_to(const char *name, pupil_why *why)
 {
     struct sockaddr_un at = {.sun_family = AF_UNIX};
@@ -42,7 +42,7 @@ static int connect_to(const char *name, pupil_why *why)
     return -1;
 }
 
-/* Half of what the service manager waits for, where it waits for this process. */
+/* Half of the service manager's timeout, if it watches this process. */
 static int64_t watchdog_ns(void)
 {
     const char *us = getenv("WATCHDOG_USEC"), *pid = getenv("WATCHDOG_PID");
@@ -65,7 +65,7 @@ void run_notify_open(run_notify *n, pupil_why *warning)
     n->watchdog_ns = watchdog_ns();
 }
 
-/* "converged", "limited (exposure_max)" of the camera's control; else of the picture's level. */
+/* "converged", "limited (exposure_max)" of the camera's controller, else of the picture's level. */
 static void describe_state(const frame_log_entry *entry, char *text, size_t text_bytes)
 {
     const char *reason = *entry->sensor ? entry->sensor_reason : entry->reason;

@@ -41,7 +41,7 @@ static int parse_period(const option_value *v)
     return r->live.mains_hz ? OPTIONS_RUN : option_refuse(v, NULL);
 }
 
-/* --device: the first or the only one, and all of them. */
+/* --device: the first or only one, and the list of all. */
 static int parse_device(const option_value *v)
 {
     run_options *r = v->options;
@@ -289,7 +289,7 @@ const option_command run_command = {
 
 /* --- what options require of each other --- */
 
-/* Of --row-gains, and of --mains where it is about them. */
+/* Of --row-gains, and of --mains as far as it concerns them. */
 static int check_flicker(const run_options *r, pupil_why *why)
 {
     const frame_options *o = &r->shown;
@@ -323,7 +323,7 @@ static int check_limits(const run_options *r, pupil_why *why)
     return OPTIONS_RUN;
 }
 
-/* Of --resume, --curve and --control-delay, which are about what is controlled. */
+/* Of --resume, --curve and --control-delay, which concern the controlled camera. */
 static int check_control(const run_options *r, pupil_why *why)
 {
     const int manual = (r->exposure_s > 0.0) + (r->gain > 0.0);

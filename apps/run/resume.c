@@ -20,11 +20,11 @@
 #include "sensor.h"
 
 enum { MOST_LEFT_OUT = 30, LOCK_TRIES = 20, LOCK_PAUSE_US = 100000 };
-#define FIRST_NS   INT64_C(5000000000) /* a run that is killed after that is resumed */
+#define FIRST_NS   INT64_C(5000000000) /* a run that is killed later can be resumed */
 #define EVERY_NS   INT64_C(60000000000)
-#define CHANGED_EV 0.05 /* what a person would not see at the start is not worth a write */
+#define CHANGED_EV 0.05 /* a difference that nobody sees at the start is not worth a write */
 
-/* What the file has of a camera (run_kept_read). One that is not there has nothing. 0, or -1 and a sentence. */
+/* Reads a camera's line of the file (run_kept_read). A missing file has none. 0, or -1 and a sentence. */
 static int read_kept(const char *path, const char *camera, FILE *others, run_kept *kept, pupil_why *why)
 {
     pupil_why words;
@@ -37,8 +37,8 @@ static int read_kept(const char *path, const char *camera, FILE *others, run_kep
     return failed;
 }
 
-/* The file's folder, locked against other runs that end together with this one; the file itself is replaced. One that
- * keeps it for long is not waited for. To be closed; -1: there is none. */
+/* Opens the file's folder, and locks it against other runs that end at the same time; the file itself cannot be locked,
+ * because it is replaced. A lock that is held for long is not waited for. To be closed; -1: no folder. */
 static int lock_folder(const char *path)
 {
     char copy[PATH_MAX];
@@ -49,7 +49,7 @@ static int lock_folder(const char *path)
     return folder;
 }
 
-/* Complete, or as it was. */
+/* Replaces the file completely, or leaves it as it was. */
 static int replace(const char *path, const char *camera, double total_s, pupil_why *why)
 {
     pupil_pending pending;
@@ -107,7 +107,7 @@ static void name_camera(run_resume *r, const pupil_source *source)
     r->reopened = pupil_live_get(source)->counts.reopened;
 }
 
-/* All folders of the path up to its last "/". -1: one cannot be made. */
+/* Makes all folders of the path up to its last "/". -1: one cannot be made. */
 static int make_folders(char *path)
 {
     for (char *at = strchr(path + 1, '/'); at; at = strchr(at + 1, '/')) {
@@ -120,7 +120,7 @@ static int make_folders(char *path)
     return 0;
 }
 
-/* The usual file, in a folder that is there; NULL: there can be none. */
+/* The usual file, whose folder is made; NULL: impossible. */
 static const char *usual_path(char *path, size_t bytes)
 {
     static const struct {
@@ -128,16 +128,16 @@ static const char *usual_path(char *path, size_t bytes)
     } places[] = {{"STATE_DIRECTORY", ""}, {"XDG_STATE_HOME", "/pupil"}, {"HOME", "/.local/state/pupil"}};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         const char *folder = getenv(places[i].variable);
-        if (!folder || *folder != '/') /* as the XDG base directory specification has it */
+        if (!folder || *folder != '/') /* by the XDG base directory specification */
             continue;
-        const int length = (int)strcspn(folder, ":"); /* systemd names several so */
+        const int length = (int)strcspn(folder, ":"); /* systemd separates several by ":" */
         const int n = snprintf(path, bytes, "%.*s%s/cameras", length, folder, places[i].below);
         return n > 0 && (size_t)n < bytes && make_folders(path) == 0 ? path : NULL;
     }
     return NULL;
 }
 
-/* A total far from all that the camera can is another camera's, or was written by another hand. */
+/* A total far outside the camera's range is another camera's, or another program wrote it. */
 static int fits(const pupil_source *source, double total_s)
 {
     pupil_camera_limits limits;
@@ -160,7 +160,7 @@ void run_resume_begin(run_resume *r, const char *path, const pupil_source *sourc
         return;
     name_camera(r, source);
     if (read_kept(path, r->camera, NULL, &kept, warning) != 0)
-        r->path = r->is_asked ? path : NULL; /* what it is stays */
+        r->path = r->is_asked ? path : NULL; /* the file stays as it is */
     else if (kept.is_damaged)
         pupil_refuse(warning, "%s: is damaged; %s", path,
                      kept.total_s > 0.0 ? "what it says of this camera is used" : "it says nothing of this camera");
@@ -192,7 +192,7 @@ int run_resume_leaves_out(run_resume *r, const pupil_source *source, const pupil
 static void *write_beside(void *run_resume_)
 {
     run_resume *r = run_resume_;
-    write_kept(r->path, r->camera, r->write_s, NULL); /* what fails here fails at the end, too, and is reported there */
+    write_kept(r->path, r->camera, r->write_s, NULL); /* an error comes again at the end, and is reported there */
     atomic_store(&r->is_busy, 0);
     return NULL;
 }

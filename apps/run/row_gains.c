@@ -22,7 +22,7 @@ static const char *const words[REASONS] = {
     [NO_MAINS] = "no banding was found: give the frequency with --mains 50 or 60",
 };
 
-/* Controls that were opened again may be those of another camera. */
+/* Reopened controls may be another camera's. */
 static void find_readout(run_row_gains *l)
 {
     pupil_camera *camera = pupil_live_camera(l->source);
@@ -55,7 +55,8 @@ void run_row_gains_begin(run_row_gains *l, const run_options *options, const pup
                      "--row-gains: --mode digital does not find the mains frequency; give it with --mains 50 or 60");
 }
 
-/* The object for what is known now; what it has learned stays where that is the same. 0; -1: there can be no gains. */
+/* Makes the object for the known mains and readout, or keeps it, with what it has learned, if these are unchanged. 0;
+ * -1: there can be no gains. */
 static int ready(run_row_gains *l, const run_sensor *sensor)
 {
     const uint32_t mains_hz = sensor->loop.steers ? sensor->loop.setting.mains_hz : l->options->live.mains_hz;
@@ -72,12 +73,13 @@ static int ready(run_row_gains *l, const run_sensor *sensor)
     l->of.readout_s = l->readout_s;
     if (pupil_row_gain_init(&l->lamps, &l->of) == PUPIL_OK)
         return 0;
-    l->of.mains_hz = 0; /* a readout that nobody has */
+    l->of.mains_hz = 0; /* an impossible readout */
     l->reason = NO_READOUT;
     return -1;
 }
 
-/* The lamps are followed by the middle of the exposure, which moves against the driver's stamp with its length. */
+/* The lamps are tracked by the middle of the exposure, whose distance from the driver's timestamp depends on the
+ * exposure time. */
 static pupil_frame_info middle_of(const pupil_source *source, const pupil_frame_info *info)
 {
     const int starts = pupil_live_get(source)->times.stamp == PUPIL_LIVE_STAMP_START_OF_EXPOSURE;

@@ -26,7 +26,7 @@ typedef struct run {
     run_options options;
     const pupil_live_system *system; /* NULL: the machine's */
     char device[272];
-    const char *input; /* device: the name of the only input */
+    const char *input; /* the device's name, as the only input */
     session session;
     run_several several;
     run_led led;
@@ -56,7 +56,7 @@ static int is_over(void)
            (end_of_run.at_ns && end_of_run.source && pupil_live_now_ns(end_of_run.source) >= end_of_run.at_ns);
 }
 
-/* Of several sentences the first one is the cause. */
+/* Of several sentences the first is kept, because it is the cause. */
 static pupil_why *why_of(run *r)
 {
     return r->failed ? &r->unused : &r->session.why;
@@ -79,12 +79,12 @@ static void describe_camera(run *r, const pupil_frame *frame, int64_t mapped_ns,
     entry->latency_us = entry->read_us + (double)(mapped_ns - f->taken_ns) * 1e-3;
     r->counts = *now;
     run_sensor_describe(&r->sensor, &frame->info, entry);
-    if (r->options.mode == RUN_SENSOR && entry->aimed_level > 0.0) /* the camera's key, not that of the level */
+    if (r->options.mode == RUN_SENSOR && entry->aimed_level > 0.0) /* the camera's key, not the level's */
         entry->aimed_level = frame_log_aimed_level(&r->session.pipeline, entry->key);
 }
 
-/* What a service manager waits for: the exposure is right, or as near as the camera comes; without a camera's controls,
- * the level of the picture is. */
+/* A service manager waits until the exposure is right, or as near as the camera can get; without its controls, until
+ * the picture's level is right. */
 static int is_at_rest(const run *r)
 {
     const pupil_camera_loop *loop = &r->sensor.loop;
@@ -95,7 +95,8 @@ static int is_at_rest(const run *r)
     return level.state != PUPIL_STATE_EMPTY && level.state != PUPIL_STATE_ADAPTING;
 }
 
-/* Of several cameras: what this one has decided, or what the one that leads did, whose picture this one's is like. */
+/* With several cameras: publishes this one's decision if it leads, else takes over the leader's, so that pictures are
+ * alike. */
 static void share(run *r, const pupil_frame *frame, pupil_curve *curve)
 {
     run_several *several = &r->several;
@@ -118,7 +119,7 @@ static void share(run *r, const pupil_frame *frame, pupil_curve *curve)
     several->seen_ev += setting->scene_ev - r->led.scene_ev;
     several->seen++;
     run_sensor_follow(&r->sensor, &frame->info, &r->led);
-    info.gain *= exp2(several->ev); /* as the leader would have taken it */
+    info.gain *= exp2(several->ev); /* as if the leader had taken the frame */
     if (!run_sensor_curve(&r->sensor, curve))
         (void)pupil_get_curve(&r->led.pupil, &info, curve);
 }
@@ -131,7 +132,7 @@ static void step_sensor(run *r, const pupil_frame *frame)
     const double filter_ev = r->sensor.loop.setting.filter_ev;
     r->sensor.follows = !run_several_leads(&r->several, 1.0 / r->session.source->fps);
     run_sensor_frame(&r->sensor, &p->stats, &frame->info, &curve);
-    if (r->sensor.loop.setting.filter_ev != filter_ev) { /* the picture's adaptation is to light without it */
+    if (r->sensor.loop.setting.filter_ev != filter_ev) { /* the picture adapts to the light without the filter */
         pupil_config config = p->config;
         config.calibration *= exp2(filter_ev - r->sensor.loop.setting.filter_ev);
         r->options.shown.config.calibration = config.calibration;
@@ -139,7 +140,7 @@ static void step_sensor(run *r, const pupil_frame *frame)
         curve = r->options.mode == RUN_SENSOR ? curve : p->curve;
     }
     share(r, frame, &curve);
-    if (p->config.order != PUPIL_ORDER_FUSED) /* else it was mapped already */
+    if (p->config.order != PUPIL_ORDER_FUSED) /* fused frames are mapped already */
         p->curve = curve;
 }
 
@@ -231,7 +232,7 @@ static int open_camera(run *r)
     o->shown.source.stop = is_over;
     o->live.system = r->system;
     o->live.hands_off = o->mode == RUN_DIGITAL && !(o->exposure_s > 0.0) && !(o->gain > 0.0);
-    o->live.capture.share = o->shown.gles || o->shown.view; /* the GPU reads frames where they are */
+    o->live.capture.share = o->shown.gles || o->shown.view; /* the GPU reads frames without a copy */
     if (o->shown.record && !o->live.capture.late)
         o->live.capture.late = PUPIL_LIVE_LATE_KEPT;
     if (pupil_live_open(r->device, &o->shown.source, &o->live, &s->source, &s->why))
@@ -242,7 +243,7 @@ static int open_camera(run *r)
     return session_begin(s, 1);
 }
 
-/* What the others have to stay within. */
+/* Publishes the limits that the other cameras have to keep. */
 static void offer(run *r)
 {
     pupil_sensor_config c;
@@ -256,7 +257,7 @@ static void offer(run *r)
     run_several_offer(&r->several, c.exposure_min_s * c.gain_min, longest_s * c.gain_max);
 }
 
-/* Where nothing of the camera is controlled, or the user wants to begin cold, nothing is kept. */
+/* No state is kept if no control is used, or the user wants a cold start. */
 static int keeps_state(const run_options *o)
 {
     return !o->begins_cold && o->mode != RUN_DIGITAL && !(o->exposure_s > 0.0 && o->gain > 0.0);
@@ -298,7 +299,7 @@ static int begin(run *r)
     return 0;
 }
 
-/* The camera comes first: nothing that follows can keep it. */
+/* The camera is closed first, so that nothing after it can hold it. */
 static void finish(run *r)
 {
     session *s = &r->session;
@@ -312,7 +313,7 @@ static void finish(run *r)
         r->failed = 1;
 }
 
-/* `more`: what else is to be said, each part begins with "; ". */
+/* `more`: further text, of which each part begins with "; ". */
 static void end(run *r, char *more, size_t more_bytes)
 {
     session *s = &r->session;
@@ -328,7 +329,7 @@ static void end(run *r, char *more, size_t more_bytes)
     }
 }
 
-/* What is said at the end of what was found, after "; ". */
+/* Adds the run's findings, each after "; ". */
 static void add_findings(const run *r, char *more, size_t more_bytes)
 {
     const uint64_t not_recorded = r->session.outputs.not_recorded;
@@ -348,7 +349,7 @@ static int check_outputs(run_options *o, time_t now, pupil_why *why)
                : OPTIONS_RUN;
 }
 
-/* Those of several cameras, before any of them begins. */
+/* Checks the options of several cameras, before any of them begins. */
 static int check_several(const run_options *o, time_t now, pupil_why *why)
 {
     static run_options one;
@@ -362,7 +363,7 @@ static int check_several(const run_options *o, time_t now, pupil_why *why)
     return OPTIONS_RUN;
 }
 
-/* `status`: in the first process of several cameras, when all are over, theirs; else -1. */
+/* `status`: in the first process of several cameras, once all have ended, their exit status; else -1. */
 static int parse(run *r, int argc, char **argv, int *status)
 {
     pupil_why *why = &r->session.why;
@@ -386,7 +387,7 @@ static int parse(run *r, int argc, char **argv, int *status)
 
 int run_on(const pupil_live_system *system, int argc, char **argv)
 {
-    static run r; /* pupil_t and pupil_stats are large for a stack */
+    static run r; /* pupil_t and pupil_stats are too large for a stack */
     session *s = &r.session;
     char more[1100] = "";
     memset(&r, 0, sizeof r);

@@ -6,8 +6,8 @@
 
 #include "refuse.h"
 
-#define FOLLOW_EV 0.05 /* the leader's own setting stays within so much: hold_ev */
-#define SAME_EV   0.01 /* what a driver rounds */
+#define FOLLOW_EV 0.05 /* the leader's own setting does not change for less: hold_ev */
+#define SAME_EV   0.01 /* differences by a driver's rounding */
 
 static const char *state_word(const run_sensor *s)
 {
@@ -39,8 +39,8 @@ static void limit(const run_sensor *s, pupil_sensor_config *c)
         run_several_limit(s->several, c);
 }
 
-/* What keys and the control socket can change while it runs; 1: they did. Where the picture is adapted to by itself,
- * the sensor's own level is hidden, and stays where a sensor is best. */
+/* Takes over what keys and the control socket can change during a run; 1: something changed. If the picture adapts by
+ * itself, the sensor's own level is hidden, and stays where it is best for the sensor. */
 static int follow(const run_sensor *s, pupil_sensor_config *config)
 {
     const pupil_config *shown = &s->options->shown.config;
@@ -87,7 +87,8 @@ static void configure(const run_sensor *s, pupil_sensor_config *c)
     follow(s, c);
 }
 
-/* From the level that the camera has, so that its picture does not jump; of one that came back, from the wanted one. */
+/* Starts from the camera's level, so that its picture does not jump; after a camera has come back, from the wanted
+ * level. */
 static int steer(run_sensor *s, pupil_why *why)
 {
     pupil_sensor_config config;
@@ -113,7 +114,7 @@ int run_sensor_take(run_sensor *s, pupil_why *why)
     s->camera = camera;
     if (!camera)
         pupil_camera_loop_lost(&s->loop);
-    else if (!is_new && (!s->loop.steers || !s->loop.setting.frames)) /* frames may be left out, or not be metered */
+    else if (!is_new && (!s->loop.steers || !s->loop.setting.frames)) /* no frame was metered yet */
         pupil_camera_loop_retry(&s->loop);
     else if (!is_new)
         return 0;
@@ -124,7 +125,7 @@ int run_sensor_take(run_sensor *s, pupil_why *why)
     return 0;
 }
 
-/* Stops by which the camera's largest setting is above the frame's. 0: they are not known. */
+/* Stops by which the camera's largest setting is above the frame's. 0: unknown. */
 static double spare_ev(const run_sensor *s, const pupil_frame_info *info)
 {
     const pupil_sensor_config *c = &s->loop.config;
@@ -153,8 +154,8 @@ int run_sensor_is_at_rest(const pupil_sensor_setting *setting)
            (state == PUPIL_SENSOR_LIMITED && setting->reason != PUPIL_SENSOR_IGNORED);
 }
 
-/* A small change of the total is the picture's: the setting stays, as the leader's does. What a frame lacks is found
- * from the setting that it was taken with alone, for no frame of this camera decides anything that would correct an
+/* For a small change of the total the setting stays, as the leader's does, and the picture is corrected. The correction
+ * of a frame depends only on the setting with which it was taken, because this camera has no loop that would correct an
  * error. */
 void run_sensor_follow(run_sensor *s, const pupil_frame_info *info, const run_led *led)
 {
@@ -186,7 +187,7 @@ double run_sensor_shown_s(const run_sensor *s, const pupil_frame_info *info)
     return (taken_s > 0.0 ? taken_s : s->loop.setting.total_s) * s->loop.setting.frame_digital;
 }
 
-/* For the values of the last frame. */
+/* The factor for the values of the last frame. */
 static double frame_digital(const run_sensor *s)
 {
     return s->follows ? s->digital : s->loop.setting.frame_digital;
@@ -196,7 +197,7 @@ int run_sensor_curve(const run_sensor *s, pupil_curve *curve)
 {
     if (s->options->mode != RUN_SENSOR)
         return 0;
-    /* Reinhard's extended operator with a white point of 1 leaves all that is below it as it is. */
+    /* Reinhard's extended operator with a white point of 1 leaves all values below it as they are. */
     *curve = (pupil_curve){.scale = (float)frame_digital(s), .inverse_white_squared = 1.0f};
     return 1;
 }
@@ -207,7 +208,7 @@ void run_sensor_frame(run_sensor *s, const pupil_stats *stats, const pupil_frame
     if (s->loop.steers && s->camera) {
         if (follow(s, &config))
             pupil_camera_loop_retune(&s->loop, &config);
-        pupil_live_mark(s->source); /* metering took its time */
+        pupil_live_mark(s->source); /* after the time that metering took */
         pupil_camera_loop_frame(&s->loop, stats, info);
     }
     run_sensor_curve(s, curve);

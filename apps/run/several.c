@@ -18,20 +18,20 @@
 #include "options/commands.h"
 #include "refuse.h"
 
-#define BEGIN_S 4.0 /* until a camera has to give its first frame: to lead, or the next one does */
-#define LOST_S  5.0 /* without a frame, or LOST_FRAMES of its frames where these take longer; one that ends says so */
+#define BEGIN_S 4.0 /* within this time a camera gives its first frame; otherwise the next one leads */
+#define LOST_S  5.0 /* without a frame, or LOST_FRAMES frame periods if that is longer; a camera that ends says so */
 enum { LOST_FRAMES = 10 };
-enum { QUEUE_FRAMES = 4 }; /* that a camera's driver takes while one is waited for (drivers/v4l2) */
-enum { MOMENTS = 8 };      /* of the leader's, twice QUEUE_FRAMES */
-#define POLL_NS 1000000    /* a condition variable that processes share does not survive one that is killed */
+enum { QUEUE_FRAMES = 4 }; /* a camera's driver takes these while one is waited for (drivers/v4l2) */
+enum { MOMENTS = 8 };      /* frames of the leader: twice QUEUE_FRAMES */
+#define POLL_NS 1000000    /* polling, because a condition variable shared by processes does not survive a killed one */
 
 typedef struct shared_camera {
-    int64_t until_ns; /* it is there until then, at least; 0: it has ended */
+    int64_t until_ns; /* counts as present until then; 0: it has ended */
     double least_s, most_s;
 } shared_camera;
 
 typedef struct run_shared {
-    pthread_mutex_t lock; /* of all that follows but `ended` */
+    pthread_mutex_t lock; /* of everything below except `ended` */
     atomic_int ended;
     uint32_t count;
     uint64_t led_frames;
@@ -47,7 +47,7 @@ static int64_t now_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* A camera's process that died with it held leaves nothing half done that matters. */
+/* Locks; if a camera's process died with the lock, it has left nothing inconsistent that matters. */
 static void take(run_shared *shared)
 {
     if (pthread_mutex_lock(&shared->lock) == EOWNERDEAD)
@@ -61,7 +61,7 @@ static void give(run_shared *shared)
 
 /* --- options --- */
 
-#define PLACE "%i" /* of the camera's number in a path */
+#define PLACE "%i" /* the camera's number in a path */
 
 static int check_path(const char *path, pupil_why *why)
 {
@@ -71,7 +71,7 @@ static int check_path(const char *path, pupil_why *why)
                         PLACE);
 }
 
-/* By name, or by what the names lead to: /dev/v4l/by-id has links to /dev/video0. */
+/* The same name, or links to the same device: /dev/v4l/by-id has links to /dev/video0. */
 static int is_same_device(const char *one, const char *other)
 {
     struct stat a, b;
@@ -111,7 +111,7 @@ int run_several_check(const run_options *o, pupil_why *why)
     return OPTIONS_RUN;
 }
 
-/* With this camera's number in each place of it; it stays until the process ends. */
+/* The path with this camera's number in each PLACE; never freed. */
 static const char *path_of(const char *path, uint32_t index)
 {
     const char *at;
@@ -139,7 +139,7 @@ void run_several_paths(run_options *o, uint32_t index)
 
 static void become(run_several *s, run_options *o, uint32_t index)
 {
-    setvbuf(stderr, NULL, _IOLBF, 0); /* so that lines of several processes stay whole */
+    setvbuf(stderr, NULL, _IOLBF, 0); /* so that lines of several processes do not mix */
     s->index = index;
     s->ev = index ? o->camera_ev[index - 1] : 0.0;
     run_several_paths(o, index);
@@ -173,8 +173,8 @@ static int worse(int a, int b)
     return EXIT_DONE;
 }
 
-/* Ctrl-C comes to all processes, a signal that was sent to the first one only there: the others see the flag, at once
- * for SIGALRM wakes them up (common/interrupt.h). A second one is sent on. */
+/* Ctrl-C reaches all processes, but a signal sent to the first process only that one. The others see the flag, and at
+ * once, because SIGALRM wakes them (common/interrupt.h). A second signal is passed on. */
 static void pass_on(run_shared *shared, const pid_t *process, sig_atomic_t times)
 {
     atomic_store(&shared->ended, 1);
@@ -234,7 +234,7 @@ int run_several_begin(run_several *s, run_options *o)
     const pid_t first = getpid();
     s->shared = make_shared(o->devices);
     watch();
-    fflush(NULL); /* what is in a buffer would be written by each */
+    fflush(NULL); /* otherwise each process would write the buffers */
     for (uint32_t i = 0; s->shared && i < o->devices; i++) {
         process[i] = fork();
         if (process[i] == 0) {
@@ -332,7 +332,7 @@ void run_several_publish(run_several *s, const run_led *led)
     give(shared);
 }
 
-/* The newest one that is not after the moment; of none, the oldest that is kept. */
+/* The newest entry that is not after the moment; if there is none, the oldest kept. */
 static const run_led *led_at(const run_shared *shared, int64_t at_ns)
 {
     const uint64_t kept = shared->led_frames < MOMENTS ? shared->led_frames : MOMENTS;
@@ -345,8 +345,8 @@ static const run_led *led_at(const run_shared *shared, int64_t at_ns)
     return found;
 }
 
-/* Whether the leader has a frame in [from, to] that it has not published yet, as its last two have it. A slower one has
- * none for most frames of this camera, and one that hangs none any more. */
+/* Whether the leader has a frame in [from, to] that it has not published yet, predicted from its last two. A slower
+ * leader has none for most frames of this camera, and a leader that hangs has none. */
 static int is_due(const run_shared *shared, int64_t from_ns, int64_t to_ns)
 {
     if (shared->led_frames < 2)

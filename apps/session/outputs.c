@@ -54,10 +54,10 @@ static int record_frame(session_outputs *o, const pupil_frame *frame, pupil_why 
     return pupil_recorder_write(o->recorder, frame, why);
 }
 
-/* A frame may stay for so long: a camera that was away for longer was away. */
+/* A frame is shown for at most this long; a camera's longer absence is cut out. */
 #define LIVE_GAP_S 2.0
 
-/* In the pace of the frames; --hold has another. */
+/* Sound has the frames' pace; --hold changes it. */
 static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
 {
     if (o->options->hold <= 1)
@@ -66,7 +66,7 @@ static pupil_sink_sound sound_of(session_outputs *o, const pupil_frame *first)
     return (pupil_sink_sound){0};
 }
 
-/* Of a video, each frame of which is shown once. */
+/* Whether the input is a video whose frames are shown once each. */
 static int has_own_times(const session_outputs *o)
 {
     return !(o->source->obeys & PUPIL_SOURCE_FPS) && o->options->hold <= 1;
@@ -103,7 +103,7 @@ static int open_all(session_outputs *o, const pupil_frame *frame, const pupil_im
     return 0;
 }
 
-/* A camera that was opened again may have another size; what was written until then is kept. */
+/* A reopened camera may have another size; what was written until then is kept. */
 static int is_other_size(const session_outputs *o, const pupil_image *display, pupil_why *why)
 {
     if (!o->live || !o->pictures.count || (display->width == o->width && display->height == o->height))
@@ -113,7 +113,7 @@ static int is_other_size(const session_outputs *o, const pupil_image *display, p
     return 1;
 }
 
-/* The one that failed. */
+/* Drops the picture that failed. */
 static void drop_picture(session_outputs *o)
 {
     frame_options *options = o->options;
@@ -133,7 +133,7 @@ static void drop_stats(session_outputs *o)
     o->options->stats = NULL;
 }
 
-/* An output of a live run that fails is dropped. */
+/* A failed output of a live run is dropped. */
 static int picture_failed(session_outputs *o)
 {
     if (!o->live)
@@ -227,7 +227,7 @@ static int finish_stats(session_outputs *o, pupil_why *why)
     return 0;
 }
 
-/* Of a live run, and of one that Ctrl-C ends, those after one that fails are finished all the same. */
+/* In a live run, and after Ctrl-C, pictures after a failed one are finished all the same. */
 static int finish_pictures(session_outputs *o, pupil_why *why)
 {
     const int keep = o->live || o->is_cut;
@@ -246,7 +246,7 @@ static int finish_pictures(session_outputs *o, pupil_why *why)
     return failed;
 }
 
-/* What is most likely to fail goes first: then nothing is in its place yet. */
+/* The outputs most likely to fail go first, when nothing is in its place yet. */
 static int finish_files(session_outputs *o, pupil_why *why)
 {
     static finish_part *const part[] = {finish_plot, finish_report, finish_stats, finish_pictures};
@@ -256,7 +256,7 @@ static int finish_files(session_outputs *o, pupil_why *why)
     return 0;
 }
 
-/* After Ctrl-C: the whole frames that there are. What looks back on a whole run is not made. */
+/* After Ctrl-C: finishes with the complete frames. Outputs about a whole run are not made. */
 static int finish_cut(session_outputs *o, pupil_why *why)
 {
     frame_options *options = o->options;
@@ -266,7 +266,7 @@ static int finish_cut(session_outputs *o, pupil_why *why)
     return finish_pictures(o, why) || no_stats ? -1 : 0;
 }
 
-/* What cannot be had again goes first. */
+/* What cannot be made again goes first. */
 static int finish_live(session_outputs *o, pupil_why *why)
 {
     static finish_part *const part[] = {finish_recording, finish_pictures, finish_stats, finish_plot};

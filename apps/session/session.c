@@ -64,7 +64,7 @@ int session_goes_on(const session *s)
 
 /* --- a frame --- */
 
-/* For the user, without an end of the run. */
+/* Shows the pipeline's warning; the run continues. */
 static void warn(session *s)
 {
     if (*s->pipeline.warning.text)
@@ -72,7 +72,7 @@ static void warn(session *s)
     *s->pipeline.warning.text = 0;
 }
 
-/* The window comes with the first frame, and where there is one the GPU works in its context. */
+/* The window opens with the first frame, and then the GPU works in its context. */
 static int open_view(session *s, const pupil_frame *first)
 {
     const frame_options *o = s->options;
@@ -96,7 +96,7 @@ int session_meter(session *s, const pupil_frame *frame)
 
 int session_map(session *s, const pupil_frame *frame, frame_log_entry *entry)
 {
-    const int whole = !s->view || session_outputs_want_pixels(s->options); /* else it is only measured */
+    const int whole = !s->view || session_outputs_want_pixels(s->options); /* otherwise the picture is only measured */
     if (frame_pipeline_map(&s->pipeline, frame, whole, &s->why))
         return -1;
     const double process_us = (progress_now_s() - s->metered_s) * 1e6;

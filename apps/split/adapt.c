@@ -21,7 +21,7 @@ typedef struct adapting {
     pupil_stats_file *stats;
     progress progress;
     uint64_t frames;
-    int no_histogram; /* the settings would gather none */
+    int no_histogram; /* the settings need none */
 } adapting;
 
 /* --- the parts --- */
@@ -43,13 +43,13 @@ static int same_metering(const pupil_config *a, const pupil_config *b)
            a->output_primaries == b->output_primaries && memcmp(a->weight, b->weight, sizeof a->weight) == 0;
 }
 
-/* Of two parts: also what only adaptation and mapping use. */
+/* Whether two parts have the same settings, also those that only adaptation and mapping use. */
 static int same_settings(const split_header *a, const split_header *b)
 {
     return memcmp(&a->config, &b->config, sizeof a->config) == 0 && a->dither == b->dither;
 }
 
-/* Parts are sorted: each goes on where the one before has ended, and all are of one input. */
+/* In the sorted parts each begins where the one before ends, and all are of one input. */
 static int check_part(const split_file *first, const split_file *part, uint64_t expected, pupil_why *why)
 {
     const split_header *h = &part->header, *of = &first->header;
@@ -101,7 +101,7 @@ static int open_parts(adapting *a, pupil_why *why)
 
 /* --- frames --- */
 
-/* As replay's own metering would leave it. */
+/* As in replay's own metering. */
 static int wants_histogram(const pupil_config *config)
 {
     static pupil_t pupil;
@@ -203,8 +203,8 @@ static int run(adapting *a, pupil_why *why)
     return stats && pupil_stats_file_finish(stats, why) ? -1 : 0;
 }
 
-/* Which parts there are says what the settings begin with, and the command line what is changed of them. So it is
- * parsed twice, first a copy, for parsing moves its words about. */
+/* The parts have the settings to begin with, and the command line changes them. So it is parsed twice, first as a copy,
+ * because parsing reorders its words. */
 static int parse(adapting *a, int argc, char **argv, pupil_why *why)
 {
     char **copy = malloc(((size_t)argc + 1) * sizeof *copy);

@@ -21,7 +21,7 @@ typedef struct mapping {
     int is_open;
 } mapping;
 
-/* Of the same input as the curves. */
+/* The input must be that of the curves. */
 static int check_input(const mapping *m, pupil_why *why)
 {
     const split_header *of = &m->curves.header;

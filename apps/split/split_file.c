@@ -59,7 +59,7 @@ static void put_number(split_file *f, uint64_t n)
     put(f, (unsigned char)n);
 }
 
-/* Small numbers of either sign are short; 0 is followed by how many more zeros come. */
+/* Small numbers of either sign are short; a 0 is followed by the number of further zeros. */
 static void put_words(split_file *f, const uint64_t *word, size_t count)
 {
     for (size_t i = 0, zeros; i < count; i += zeros) {
@@ -170,7 +170,7 @@ static int damaged(const split_file *f, pupil_why *why)
     return pupil_refuse(why, "%s: is damaged: it is not what was written; make it again", f->path);
 }
 
-/* The records, and nothing behind them. */
+/* Checks the records, and that nothing follows them. */
 static int check_records(const split_file *f, pupil_why *why)
 {
     static unsigned char block[1 << 16];

@@ -39,7 +39,7 @@ static int next(split_input *s, pupil_frame *frame, pupil_why *why)
     return got == PUPIL_SOURCE_FRAME ? 1 : got == PUPIL_SOURCE_END ? 0 : -1;
 }
 
-/* From the first frame with light; of codes there is no unit. */
+/* Finds the unit from the first frame with light; codes have no unit. */
 static int find_unit(split_input *s, pupil_why *why)
 {
     for (int more = 1; more && !s->scale.known && !interrupt_came();) {
@@ -61,7 +61,7 @@ static int find_unit(split_input *s, pupil_why *why)
     return 0;
 }
 
-/* What is known of the unit when the range begins. */
+/* Sets what is known of the unit when the range begins. */
 static void begin_unit(split_input *s)
 {
     any_scale_forget(&s->scale);

@@ -91,7 +91,7 @@ static const option_group adapt_groups[] = {
 };
 
 static const option_group map_groups[] = {
-    {"outputs (complete or absent)", frame_output_rows, 1, .base = AT(frames)}, /* -o alone: adapt has the levels */
+    {"outputs (complete or absent)", frame_output_rows, 1, .base = AT(frames)}, /* only -o: adapt has the levels */
     {NULL, OPTION_ROWS(other_rows)},
     {"frames", OPTION_ROWS(curves_row)},
     {NULL, OPTION_ROWS(range_row)},
@@ -141,7 +141,7 @@ const option_command map_command = {
     .groups = map_groups,
 };
 
-/* What those that read the input take. */
+/* Parses the options of the commands that read the input. */
 static int parse_input(split_options *o, const option_command *command, int argc, char **argv, option_words *words,
                        pupil_why *why)
 {
@@ -224,7 +224,7 @@ int split_options_check_paths(const split_options *o, pupil_why *why)
     int failed = o->curves ? frame_options_check_paths(&paths, why) : OPTIONS_RUN;
     if (o->out && strcmp(o->out, "-") == 0)
         return pupil_refuse(why, "-o -: a part and curves are files, not standard output; name one");
-    paths.overwrite = 1; /* what is there is kept by those who write it */
+    paths.overwrite = 1; /* existing files are checked by who writes them */
     if (o->out)
         paths.out[paths.out_count++] = o->out;
     if (o->words) {

@@ -19,7 +19,8 @@ const char view_keys_help[] = "1 2 3 4     the study's formulas\n"
                               "h           these keys\n"
                               "q           quit";
 
-/* A setting times or by the square root of two, within what can be distinguished from none and from forever. */
+/* A setting times or divided by the square root of two, within limits that differ visibly from none and from
+ * forever. */
 static double stepped(double value, int more, double least, double most)
 {
     const double next = value * (more ? M_SQRT2 : M_SQRT1_2);

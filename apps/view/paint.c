@@ -7,7 +7,7 @@
 #include "common/font.h"
 #include "refuse.h"
 
-enum { MOST_VERTICES = 6 * 8192 }; /* of one call of GL; more are drawn in several */
+enum { MOST_VERTICES = 6 * 8192 }; /* for one GL call; more are drawn in several calls */
 
 typedef struct vertex {
     float x, y;
@@ -103,7 +103,7 @@ void view_paint_end(view_paint *p)
     p->count = 0;
 }
 
-/* Two triangles; corners in turn around. */
+/* Two triangles; the corners are in order around. */
 static void quad(view_paint *p, const float corner[4][2], view_colour colour)
 {
     static const int order[6] = {0, 1, 2, 0, 2, 3};
@@ -139,7 +139,7 @@ static void letter(view_paint *p, float x, float y, float scale, view_colour col
 {
     const unsigned char *rows = font_rows(c);
     for (int row = 0; row < FONT_HEIGHT; row++)
-        for (int from = 0, to; from < FONT_WIDTH; from = to + 1) { /* a box for pixels side by side */
+        for (int from = 0, to; from < FONT_WIDTH; from = to + 1) { /* one box for adjacent pixels */
             for (to = from; to < FONT_WIDTH && (rows[row] >> (FONT_WIDTH - 1 - to) & 1); to++)
                 ;
             if (to > from)

@@ -5,7 +5,7 @@
 
 #include "common/font.h"
 
-/* As plot.c has them: Okabe and Ito, Color Universal Design, 2008. */
+/* As in plot.c: Okabe and Ito, Color Universal Design, 2008. */
 #define BLUE      0x0072B2ffu
 #define VERMILION 0xD55E00ffu
 #define GREEN     0x009E73ffu
@@ -15,7 +15,7 @@
 
 #define SECONDS 10.0
 
-typedef struct panel { /* where one of the two diagrams is, and what its edges represent */
+typedef struct panel { /* the place of one of the two diagrams, and the values at its edges */
     float x, y, width, height;
     double from_s, low, high;
 } panel;
@@ -88,7 +88,7 @@ static void curve(const view_plot *plot, view_paint *p, const panel *on, plotted
     }
 }
 
-/* The thinnest line that is a pixel at least: lines between two pixels' centres would not be seen. */
+/* The thinnest line of at least a pixel: a thinner line between two pixel centres would be invisible. */
 static float hair(float scale)
 {
     return fmaxf(1.0f, floorf(0.5f * scale));
@@ -101,7 +101,7 @@ static void frame_of(view_paint *p, const panel *on, float scale)
     view_paint_box(p, on->x, bottom, on->width, thin, GREY);
 }
 
-/* The numbers of the edges, right of the axis's end. */
+/* The numbers at the edges, right of the axis. */
 static void edges(view_paint *p, const panel *on, float scale, const char *format)
 {
     char text[32];
@@ -142,7 +142,7 @@ void view_plot_paint(const view_plot *plot, view_paint *p, float width, float he
     ev.low = INFINITY;
     ev.high = -INFINITY;
     if (ev.width <= 0.0f || room <= 0.0f)
-        return; /* a window that is too small for a plot */
+        return; /* the window is too small for a plot */
     widen(plot, &ev, METERED);
     widen(plot, &ev, ADAPTED);
     widen(plot, &out, LEVEL);

@@ -19,10 +19,10 @@
 #include "refuse.h"
 #include "window/window.h"
 
-#define SAID_S     2.0  /* how long what a key did can be read */
-#define TITLE_S    0.5  /* between two titles */
-#define LOST_S     0.5  /* later than this, the clock waits for the frames: they are not to be caught up with */
-#define LEAST_S    0.1  /* a late frame is shown nevertheless where none was for so long */
+#define SAID_S     2.0  /* how long a key's message is shown */
+#define TITLE_S    0.5  /* between two updates of the title */
+#define LOST_S     0.5  /* frames later than this reset the clock, instead of being caught up with */
+#define LEAST_S    0.1  /* a late frame is shown nevertheless if none was shown for so long */
 #define SPLIT_STEP 0.05 /* of the width */
 #define EDGE_CODES 200  /* steps of 50 codes from one pixel to the next; noise and soft edges have fewer */
 #define WHITE      0xF0F0F0ffu
@@ -33,18 +33,18 @@ struct view {
     pupil_window *window;
     gl_calls gl;
     view_paint *paint;
-    view_picture picture; /* where the CPU maps */
+    view_picture picture; /* for frames that the CPU maps */
     view_plot plot;
 
-    const pupil_frame *frame; /* the one that is shown; NULL: the source has it back */
+    const pupil_frame *frame; /* the shown frame; NULL: it was returned to the source */
     int is_mapped;            /* pipeline.display is this frame in full size, mapped by `curve` */
-    int was_mapped;           /* the same of the frame before, when it was done */
+    int was_mapped;           /* is_mapped of the frame before, when it was done */
     pupil_frame_info info;
     pupil_curve curve;
-    pupil_t first; /* the eye that has seen the first frame alone: what is before the split */
+    pupil_t first; /* adapted to the first frame only: for the left of the split */
     int first_known;
 
-    double anchor_s, drawn_s, said_s, titled_s; /* moments: of the timestamp 0, the last drawing, words, title */
+    double anchor_s, drawn_s, said_s, titled_s; /* times of: timestamp 0, the last drawing, words, title */
     unsigned drawn;                             /* frames since the last title */
     int anchored, paused, stale, quit;
     int fullscreen, split_on, plot_on, help_on, edges_on;
@@ -56,7 +56,7 @@ struct view {
 
 /* --- drawing --- */
 
-/* The picture in memory, with its edges if they are asked for and there is room for them. */
+/* Shows the picture in memory, with its edges if they are asked for and memory suffices. */
 static void take_picture(view *v, const pupil_image_const *shown)
 {
     static const uint8_t pink[3] = {255, 0, 128};
@@ -76,7 +76,7 @@ static void take_picture(view *v, const pupil_image_const *shown)
     view_picture_take(&v->picture, has_edges ? &as_const : shown);
 }
 
-/* A part of the picture as `curve` maps it, by what maps the frames; with edges by the CPU. */
+/* Draws a part of the picture mapped by `curve`, with the engine that maps the frames; with edges, on the CPU. */
 static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_t height, float from, float to)
 {
     const pupil_gles_target target = {.width = width, .height = height, .from = from, .to = to};
@@ -89,7 +89,7 @@ static void draw_part(view *v, const pupil_curve *curve, uint32_t width, uint32_
     if (is_mapped || (v->frame && frame_pipeline_map_again(p, curve, v->frame) == 0)) {
         const pupil_image_const shown = pupil_image_as_const(p->display);
         take_picture(v, &shown);
-        v->is_mapped = curve == &v->curve; /* another one has overwritten it */
+        v->is_mapped = curve == &v->curve; /* false: another curve's picture has overwritten it */
     }
     view_picture_draw(&v->picture, width, height, from, to);
 }
@@ -225,7 +225,7 @@ static void take_view_key(view *v, int key)
     }
 }
 
-/* What has come from the window; what is shown may be stale then. */
+/* Handles the window's events; the shown picture may then be stale. */
 static void listen(view *v)
 {
     int key;
@@ -252,15 +252,16 @@ static void listen(view *v)
 
 static void doze(double seconds)
 {
-    const struct timespec t = {.tv_nsec = (long)(fmin(fmax(seconds, 0.0), 0.005) * 1e9)}; /* keys are heard soon */
+    const struct timespec t = {.tv_nsec = (long)(fmin(fmax(seconds, 0.0), 0.005) * 1e9)}; /* short, so that keys act
+                                                                                           * soon */
     nanosleep(&t, NULL);
 }
 
-/* Until the frame is due; 0: it is too late to be shown. */
+/* Waits until the frame is due; 0: too late to be shown. */
 static int await(view *v, double time_s)
 {
     double late_s = v->anchored ? progress_now_s() - v->anchor_s - time_s : 0.0;
-    if (!v->anchored || late_s > LOST_S || late_s < -10.0) { /* a jump of the timestamps is no reason to wait */
+    if (!v->anchored || late_s > LOST_S || late_s < -10.0) { /* after a jump of the timestamps it does not wait */
         v->anchor_s = progress_now_s() - time_s;
         v->anchored = 1;
         return 1;
@@ -312,7 +313,7 @@ int view_frame(view *v, const pupil_frame *frame, const frame_log_entry *entry)
 void view_stay(view *v)
 {
     const int always = 1;
-    v->is_mapped = v->was_mapped; /* nothing has come over it since */
+    v->is_mapped = v->was_mapped; /* not overwritten since */
     say(v, "end");
     v->stale = 1;
     stay(v, &always);
@@ -336,7 +337,7 @@ int view_open(view **opened, const view_of *of, const pupil_image_const *first, 
         view_close(v);
         return -1;
     }
-    /* What only plays the GPU is slower than the CPU itself; who names it has it. */
+    /* A software renderer is slower than pupil on the CPU, so it is used only if asked for. */
     if (of->options->gles || of->options->gles_version || !gl_calls_software(&v->gl))
         frame_pipeline_use_gpu(of->pipeline, of->options->gles_version, pupil_window_get_proc);
     *opened = v;

@@ -1,4 +1,4 @@
-/* In place of the window's files where the build has no OpenGL ES. */
+/* Replaces the window's files in a build without OpenGL ES. */
 #include <stdio.h>
 
 #include "refuse.h"

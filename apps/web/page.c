@@ -1,7 +1,7 @@
-/* The core as the page calls it: numbers and addresses in a module's memory go in, numbers come out. No C library: the
- * page fills in a frame's bytes, and reads a picture's.
+/* The interface of the core for the page: the arguments are numbers and addresses in the module's memory, the results
+ * numbers. There is no C library: the page writes a frame's bytes, and reads a picture's.
  *
- * Each engine is a pupil_t of one law. They take the same statistics: the frame is metered once.
+ * Each engine is a pupil_t of one law. All take the same statistics, so a frame is metered once.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -11,7 +11,7 @@
 
 #define EXPORT(NAME) __attribute__((export_name(NAME)))
 
-/* What a view shows: an engine of each law, and then these. */
+/* The kinds of view: an engine of each law, and then these. */
 enum { LOCKED = PUPIL_LAW_COUNT, ENGINES, AS_IT_CAME = ENGINES };
 
 static pupil_t engine[ENGINES];
@@ -24,12 +24,12 @@ static pupil_sensor sensor;
 static pupil_sensor_config sensor_config;
 static const char *why = "";
 
-/* --- memory: one region, behind what the linker has placed --- */
+/* --- memory: one region, after the linker's data --- */
 
 extern unsigned char __heap_base;
 enum { PAGE_BYTES = 65536 };
 
-/* Where `bytes` bytes are, until the next call; 0: there is no room. */
+/* Memory of `bytes` bytes, valid until the next call; 0: no room. */
 EXPORT("room") unsigned char *page_room(uint32_t bytes);
 unsigned char *page_room(uint32_t bytes)
 {
@@ -97,7 +97,7 @@ static void change(uint32_t what, double value)
         meter_by((uint32_t)value);
 }
 
-/* 0, or an error, and then nothing has changed and page_why has a sentence. */
+/* 0; or an error: nothing has changed, and page_why has a sentence. */
 EXPORT("set") int page_set(uint32_t what, double value);
 int page_set(uint32_t what, double value)
 {
@@ -146,7 +146,7 @@ uint32_t page_image_bytes(uint32_t pixel, uint32_t width, uint32_t height)
     return bytes > UINT32_MAX / 2 ? 0 : (uint32_t)bytes;
 }
 
-/* The frame whose bytes are at `data`, as page_image_bytes has them, and the coding of its Y'CbCr. */
+/* Takes the frame whose bytes are at `data`, in the layout of page_image_bytes, and the coding of its Y'CbCr. */
 EXPORT("frame")
 void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t height, uint32_t matrix, uint32_t range);
 void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t height, uint32_t matrix, uint32_t range)
@@ -156,7 +156,7 @@ void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t he
     frame.coding = &coding;
 }
 
-/* Floats as they would be in other light. */
+/* Scales floats as if the light were different. */
 EXPORT("light") void page_light(const float *from, float *to, uint32_t count, float factor);
 void page_light(const float *from, float *to, uint32_t count, float factor)
 {
@@ -230,7 +230,7 @@ int page_sensor_begin(double frame_s, double least_s, double most_s, double step
                       double gain)
 {
     pupil_sensor_config_default(&sensor_config);
-    sensor_config.delay_frames = 16; /* a browser does not say how many frames are on their way */
+    sensor_config.delay_frames = 16; /* a browser does not say how many frames are in flight */
     sensor_config.frame_s = frame_s;
     sensor_config.exposure_min_s = least_s;
     sensor_config.exposure_max_s = most_s;
@@ -244,7 +244,7 @@ int page_sensor_begin(double frame_s, double least_s, double most_s, double step
     return result == PUPIL_OK ? pupil_sensor_start(&sensor, exposure_s, gain) : result;
 }
 
-/* The frame that was metered last. 1: there is a setting to be written, -1: refused. */
+/* Takes the frame that was metered last. 1: there is a setting to be written, -1: refused. */
 EXPORT("sensor_frame") int page_sensor_frame(int64_t timestamp_ns, double exposure_s, double gain);
 int page_sensor_frame(int64_t timestamp_ns, double exposure_s, double gain)
 {

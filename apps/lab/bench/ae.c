@@ -46,7 +46,7 @@ int bench_ae_run(bench_ae *b)
 
 /* --- as lines --- */
 
-/* JSON has no number for what never was. */
+/* JSON has no NAN. */
 static void put_number(const char *name, double value)
 {
     if (isfinite(value))
@@ -99,7 +99,7 @@ static void put_value(double value, int frames)
         printf(frames ? "%8.0f" : "%8.4f", value);
 }
 
-/* Settling as the published comparisons have it: one camera, delay 3, a column a step. */
+/* Settling as in the published comparisons: one camera, delay 3, a column for each step. */
 static void put_settling(const table *t, const char *test, int frames)
 {
     int first = 1;
@@ -129,7 +129,7 @@ static void put_settling(const table *t, const char *test, int frames)
         putchar('\n');
 }
 
-/* One line for each test, what of it, and controller: how many passed, and the worst of them with its limit. */
+/* One line for each test, its variant and controller: how many passed, and the worst with its limit. */
 static void put_group(const table *t, size_t first, unsigned char *done)
 {
     const bench_ae_row *of = &t->row[first].row, *worst = of;

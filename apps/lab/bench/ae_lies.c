@@ -1,4 +1,4 @@
-/* Cameras that bend light, and cameras that do not do what they say. */
+/* Cameras that are nonlinear, and cameras that do not do what they report. */
 #include <math.h>
 #include <stdio.h>
 
@@ -19,7 +19,7 @@ static int learn_and_step(bench_ae *b, fixture_loop *loop, double base_ev, doubl
                          90 * t, 180 * t, 270 * t, EVENT * t, step_ev);
 }
 
-/* Frames that were dropped have numbers, too: the first at or after EVENT. */
+/* The index of the first frame at or after EVENT: dropped frames have numbers, too. */
 static size_t event_of(const bench_ae *b, const fixture_loop *loop)
 {
     size_t event = 0;
@@ -28,7 +28,7 @@ static size_t event_of(const bench_ae *b, const fixture_loop *loop)
     return event;
 }
 
-/* Returns the frames that it took; -1: it never settled. */
+/* Returns the number of frames until it settled; -1: never. */
 static long show(bench_ae *b, const fixture_loop *loop, const char *test, const char *of, double step_ev, int reachable)
 {
     const size_t event = event_of(b, loop);
@@ -38,7 +38,7 @@ static long show(bench_ae *b, const fixture_loop *loop, const char *test, const 
     char words[80];
     snprintf(words, sizeof words, "%s: frames", of);
     bench_ae_show(b, loop, test, words, step_ev, s.settle_frames < 0 ? NAN : (double)s.settle_frames, 2.0 * (d + 3));
-    if (reachable) { /* a loop that gave up is at rest, too */
+    if (reachable) { /* a loop at rest may have given up */
         snprintf(words, sizeof words, "%s: level", of);
         bench_ae_show(b, loop, test, words, step_ev, fabs(s.aim_ev - before.aim_ev), LEVEL_EV);
     }
@@ -49,7 +49,7 @@ static long show(bench_ae *b, const fixture_loop *loop, const char *test, const 
     return s.settle_frames;
 }
 
-/* The same camera with what is slow and sure: up to two stops, the most that far_ev may be, nothing but the filter. */
+/* The same camera with the slow, safe setting: up to two stops, the largest far_ev, only the filter acts. */
 static int beside_slow(bench_ae *b, const fixture_loop *loop, const char *of, double base_ev, double step_ev,
                        long frames)
 {
@@ -90,7 +90,7 @@ int bench_ae_lies(bench_ae *b, const fixture_controller *law)
     static const struct {
         const char *of, *camera;
         double base_ev;
-        int beyond; /* of what a loop can be asked for there: only that it does not swing */
+        int beyond; /* out of reach for any loop: it only must not oscillate */
     } of[] = {{"info has what was asked", "told=asked", 0, 0},
               {"no info", "told=nothing", 0, 0},
               {"read-back does not change", "told=first", 0, 0},

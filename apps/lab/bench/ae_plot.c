@@ -1,4 +1,4 @@
-/* pupil bench ae --plot: a step of the light up, and one down, as each loop answers it. */
+/* pupil bench ae --plot: how each loop answers a step of the light up, and one down. */
 #include <math.h>
 #include <stdio.h>
 
@@ -9,7 +9,7 @@ enum { CURVES = FIXTURE_CONTROLLERS + 1, BEFORE = 300, SHOWN_BEFORE = 4, SHOWN =
 
 static const double step_ev[STEPS] = {3, -3};
 
-/* Okabe and Ito, as in plot.c; what makes no difference to the eye is dashed. */
+/* Okabe and Ito, as in plot.c; lines that could be confused are dashed. */
 static const char *const style[CURVES] = {"lw 3 lc '#D55E00'",        "lw 2 lc '#D55E00' dt 2", "lw 1.6 lc '#0072B2'",
                                           "lw 1.6 lc '#56B4E9' dt 2", "lw 1.6 lc '#CC79A7'",    "lw 1.6 lc '#009E73'",
                                           "lw 1.6 lc '#E69F00'",      "lw 0.8 lc '#999999'"};
@@ -19,7 +19,7 @@ typedef struct answers {
     char name[CURVES][64];
 } answers;
 
-/* Error against where the loop rested before: the published laws have keys of their own. */
+/* The error is relative to the loop's rest before the step, because the published laws have their own keys. */
 static int answer(bench_ae *b, answers *a, int curve, const fixture_controller *law, int rejects)
 {
     for (int step = 0; step < STEPS; step++) {
@@ -60,7 +60,7 @@ static void script(FILE *out, int is_png, const void *context)
                 fprintf(out, "%d %.5f\n", i - SHOWN_BEFORE, a->error_ev[step][c][i]);
             fputs("END\n", out);
         }
-        /* around the step; what swings beyond is cut off */
+        /* the range of the step; larger swings are cut off */
         fprintf(out,
                 "set yrange [%s]\nplot 0.1 w lines lw 0.8 dt 3 lc '#555555' t 'within 0.1 EV', "
                 "-0.1 w lines lw 0.8 dt 3 lc '#555555' notitle",

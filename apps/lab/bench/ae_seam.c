@@ -11,7 +11,7 @@
 
 enum { FRAMES = 1400, FIRST = 90 };
 
-/* The level of each picture as it is shown, and how it is got. */
+/* The level of each picture as shown, and what measures it. */
 typedef struct mapped {
     pupil_t mapper;
     double linear_log2[256]; /* of the display's codes */
@@ -20,7 +20,7 @@ typedef struct mapped {
     int failed;
 } mapped;
 
-/* How much more a frame on which the sensor's setting changed moves the level than those next to it. */
+/* How much more the level moves on a frame with a new sensor setting than on its neighbours. */
 static double seam_of(const fixture_loop_frame *f, const double *level)
 {
     double squares = 0.0, count = 0.0;
@@ -73,7 +73,8 @@ static int begin(mapped *m, size_t pixels)
     return m->rgba ? pupil_init(&m->mapper, &config) : -1;
 }
 
-/* Light that goes so slowly that nothing is far, through many settings; all pairs of delays of the two controls. */
+/* Light that changes so slowly that far_ev is never reached, through many settings; all pairs of delays of the two
+ * controls. */
 static int pairs(bench_ae *b, const fixture_controller *law, mapped *m, const float *room)
 {
     static const fixture_gain_law gains[] = {FIXTURE_GAIN_RECIPROCAL, FIXTURE_GAIN_THIRD};
@@ -83,7 +84,7 @@ static int pairs(bench_ae *b, const fixture_controller *law, mapped *m, const fl
             bench_ae_begin(&loop, law, 1 + pair / 4, gains[g]);
             const uint32_t believed = loop.sensor.delay_frames;
             loop.plant.delay[FIXTURE_GAIN] = 1 + pair % 4;
-            loop.plant.light_ev = 3.0; /* 2^-5.5 s are right, and in the end 2^-2.8: exposures, then gains */
+            loop.plant.light_ev = 3.0; /* 2^-5.5 s are right, at the end 2^-2.8: first exposures, then gains */
             loop.plant.luminance = room;
             fixture_loop_fit(&loop);
             if (!law->total)

@@ -1,4 +1,4 @@
-/* What exposure loops are tested for. The limits are those that a loop is to keep to be called good: docs/sim.md. */
+/* The tests of exposure loops. A loop that keeps the limits is called good: docs/sim.md. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -73,11 +73,11 @@ void bench_ae_show(bench_ae *b, const fixture_loop *loop, const char *test, cons
 
 static int is_slow(const fixture_controller *law)
 {
-    return strcmp(law->name, "softisp") == 0; /* a stop takes it seconds: it gets the time to come to rest */
+    return strcmp(law->name, "softisp") == 0; /* it takes seconds for a stop, and gets the time */
 }
 
-/* Within D + 1 frames, and as many more as are looked at to detect a strobe; where nearly all of the frame was clipped,
- * 2 D + 1 where that is more. */
+/* Within D + 1 frames, plus the frames that are watched to detect a strobe; if nearly all of the frame was clipped,
+ * within 2 D + 1 if that is more. */
 static void show_settling(bench_ae *b, const fixture_loop *loop, const char *of, double step_ev, size_t frames,
                           size_t event)
 {
@@ -85,7 +85,7 @@ static void show_settling(bench_ae *b, const fixture_loop *loop, const char *of,
     const uint32_t d = loop->plant.delay[0], seen = d + 1 + loop->sensor.flash_frames;
     const int blind = b->frame[event].truth.clipped_share > 0.97;
     const double limit = blind && 2 * d + 1 > seen ? 2 * d + 1 : seen;
-    /* the published laws have keys of their own; pupil has to come to its */
+    /* the published laws have their own keys; pupil has to reach its key */
     const int lost = s.settle_frames < 0 || (!loop->law->total && fabs(s.aim_ev) > SETTLED_EV);
     char words[48];
     snprintf(words, sizeof words, "%s%s%s", of, *of && !loop->sensor.flash_frames ? ", " : "",
@@ -117,7 +117,7 @@ static int settle_camera(bench_ae *b, const fixture_controller *law, uint32_t de
     return 0;
 }
 
-/* The published laws take no light for a strobe, and are not asked to. */
+/* The published laws do not detect strobes, and are not tested for it. */
 int bench_ae_settle(bench_ae *b, const fixture_controller *law)
 {
     for (int rejects = 1; rejects >= (law->total ? 1 : 0); rejects--)
@@ -128,7 +128,7 @@ int bench_ae_settle(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* All pairs of true delays and those that the table of the camera, and so its info and the controller, has. */
+/* All pairs of a true delay and the delay in the camera's table, which its info and the controller use. */
 int bench_ae_hunt(bench_ae *b, const fixture_controller *law)
 {
     fixture_loop loop;
@@ -147,8 +147,8 @@ int bench_ae_hunt(bench_ae *b, const fixture_controller *law)
     return 0;
 }
 
-/* All pairs of the two controls' delays, of a camera whose table says four. Frames until both are known for good, with
- * light that goes up and down by a stop or two, as when something passes. */
+/* All pairs of the two controls' delays, of a camera whose table says four. Counts the frames until both are known for
+ * good, while the light goes up and down by a stop or two, as when something passes. */
 int bench_ae_identify(bench_ae *b, const fixture_controller *law)
 {
     fixture_loop loop;
@@ -160,7 +160,8 @@ int bench_ae_identify(bench_ae *b, const fixture_controller *law)
         loop.plant.delay[FIXTURE_GAIN] = delay[1];
         loop.plant.told = FIXTURE_TOLD_DELAYED;
         loop.plant.told_delay[0] = loop.plant.told_delay[1] = 4;
-        loop.plant.light_ev = 2.4; /* the longest exposure, nearly: darker light needs gain, brighter less exposure */
+        loop.plant.light_ev = 2.4; /* nearly the longest exposure: darker light needs gain, brighter light less
+                                    * exposure */
         fixture_loop_fit(&loop);
         loop.sensor.delay_frames = believed;
         if (bench_ae_loop(b, &loop, 240, "3s step -1.5ev; 3.4s step 2.5ev; 3.8s step -2ev; 5s step 1ev"))
@@ -229,8 +230,8 @@ static void show_bands(bench_ae *b, const fixture_loop *loop, const char *name)
     bench_ae_show(b, loop, "bands", name, NAN, worst, 0.02);
 }
 
-/* The frequency that is to be found. Where each frame meets the lamps as the one before did, and with all rows exposed
- * at once, nothing can be found, and nothing may be. */
+/* The frequency that is to be found. If each frame has the lamps at the same phase, and with all rows exposed at once,
+ * it cannot be found, and nothing may be found. */
 static void show_found(bench_ae *b, const fixture_loop *loop, const char *name, double hz, int seen)
 {
     char of[64];
@@ -246,8 +247,8 @@ static void show_found(bench_ae *b, const fixture_loop *loop, const char *name, 
 
 int bench_ae_mains(bench_ae *b, const fixture_controller *law)
 {
-    /* 13 ms are right, more than a period of either; 4.9 ms, which no multiple of a period can be: bands are left, and
-     * they show the frequency */
+    /* 13 ms are right: more than a period of either. 4.9 ms are less than a period of either: bands remain, and show
+     * the frequency */
     static const double dim_ev = 3.7, bright_ev = 5.2;
     static const struct {
         const char *of;
@@ -267,7 +268,7 @@ int bench_ae_mains(bench_ae *b, const fixture_controller *law)
     fixture_loop loop;
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         if (law->total && (of[i].told || !of[i].seen))
-            continue; /* they are not given, and are not searched */
+            continue; /* these laws neither take nor search the frequency */
         bench_ae_begin(&loop, law, 3, FIXTURE_GAIN_RECIPROCAL);
         if (fixture_plant_parse(&loop.plant, of[i].camera, &b->why))
             return -1;

@@ -1,4 +1,4 @@
-/* pupil bench: how long things take, each relative to what it cannot be faster than. */
+/* pupil bench: how long things take, each relative to its lower bound. */
 #include "bench.h"
 
 #include <stdio.h>

@@ -101,10 +101,10 @@ static void store_code(uint32_t pixel, unsigned char *at, double code)
         *at = (unsigned char)(code + 0.5);
 }
 
-/* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): a pair's or a quad's chroma is that of its mean. */
+/* BT.709, limited range (Rec. ITU-R BT.709-6, items 3.2 to 3.5): the chroma of a pair or a quad is that of its mean. */
 static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, const float rgba[4][4])
 {
-    const int each = image->pixel == PUPIL_PIXEL_I444_16; /* pixel has chroma of its own */
+    const int each = image->pixel == PUPIL_PIXEL_I444_16; /* pixel has its own chroma */
     const int each_row = pupil_chroma_rows(image->pixel, 2) != 1;
     double blue = 0.0, red = 0.0;
     for (uint32_t i = 0; i < 4; i++) {
@@ -128,7 +128,7 @@ static void store_yuv(const pupil_image_const *image, uint32_t x, uint32_t y, co
     }
 }
 
-/* Memory begins as zeros: what bytes share is put together. */
+/* The memory is zeroed: samples that share a byte are combined by or. */
 static void store_sample(const pupil_image_const *image, uint32_t x, uint32_t y, unsigned code)
 {
     unsigned char *row = row_of(image, y);

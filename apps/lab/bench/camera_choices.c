@@ -16,7 +16,7 @@ static const struct {
                           {PUPIL_PIXEL_BAYER10, {"rgba8", PUPIL_PIXEL_RGBA8, 1}},
                           {PUPIL_PIXEL_BAYER10, {"half", PUPIL_PIXEL_RGBA8, 2}}};
 
-/* `luma`: its error is the difference from the choice before it, which has the same output. */
+/* `luma`: its error is the difference from the previous choice, which has the same output. */
 static const struct {
     int subject;
     bench_which which;
@@ -62,7 +62,7 @@ void bench_camera_close(void)
         bench_subject_close(&camera.s[i]);
 }
 
-/* How far codes by luma are from those that are exact, by the same curve: in the mean, and at most. */
+/* The mean and the largest difference of codes by luma from exact codes, by the same curve. */
 static int luma_error(bench_kernel *luma, bench_kernel *exact, bench_choice *one)
 {
     const bench_subject *s = luma->s;
@@ -86,7 +86,7 @@ static int luma_error(bench_kernel *luma, bench_kernel *exact, bench_choice *one
     return 0;
 }
 
-/* What is exact is compared with the reference in double, as RGB8: no code is off by more than one. */
+/* Exact choices are compared with the reference in double, as RGB8: no code differs by more than one. */
 static int exact_error(int subject, verify_figures *figures)
 {
     return bench_kernel_error(camera.level, subject_of[subject].pixel, PUPIL_LIGHT_DEFAULT,

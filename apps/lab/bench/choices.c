@@ -22,7 +22,7 @@ typedef struct meter_job { /* one of each n rows: config.meter_rows */
 typedef struct encoder_job {
     const bench_tables *tables;
     bench_encode *run;
-    const float *light; /* SAMPLES of them, so that they stay in a cache */
+    const float *light; /* SAMPLES floats, which fit in a cache */
     uint8_t *code;
     size_t samples; /* in all */
 } encoder_job;
@@ -58,8 +58,7 @@ static int meter_job_open(meter_job *j, const pupil_image_const *in, uint32_t n)
     return pupil_init(&j->pupil, &config);
 }
 
-/* The largest difference to metering every row, of FRAMES_SEEN frames: another row of each n is chosen from frame to
- * frame. */
+/* The largest difference from metering every row, over FRAMES_SEEN frames: each frame chooses another row of n. */
 static double meter_error(const pupil_image_const *in, uint32_t n)
 {
     meter_job all, some;
@@ -77,7 +76,7 @@ static double meter_error(const pupil_image_const *in, uint32_t n)
     return most;
 }
 
-/* Light through a blind. */
+/* Stripes, as of light through a blind. */
 static void stripe(pupil_image_const in)
 {
     for (uint32_t y = 0; y < in.height; y += 8) {
@@ -97,7 +96,7 @@ static void run_encoder(void *context)
                j->code);
 }
 
-/* Spread evenly over the codes, in no order: an LCG (Knuth, MMIX). */
+/* Spread evenly over the codes, in random order: an LCG (Knuth, MMIX). */
 static void spread(float *light, uint64_t *state)
 {
     for (size_t i = 0; i < SAMPLES; i++) {
@@ -202,7 +201,7 @@ static int judge(choosing *c, uint32_t level, bench_choice *choice, size_t *coun
 int bench_choices(const bench_options *o, workers *crew, const bench_flush *flush, uint32_t level,
                   bench_choice choice[BENCH_MOST_CHOICES], size_t *count)
 {
-    static choosing c; /* one run a process; the kernels are large for a stack */
+    static choosing c; /* one run per process; the kernels are too large for a stack */
     *count = 0;
     const int failed = bench_subject_open(&c.s, o, PUPIL_PIXEL_RGBA32F, crew) || line_up(&c, o, crew, level) ||
                        bench_race(c.runner, MOST_RUNNERS, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came) ||

@@ -7,7 +7,7 @@
 
 #include "common/progress.h"
 
-#define LEAST_FLUSH (64u << 20) /* twice the last cache of a large core */
+#define LEAST_FLUSH (64u << 20) /* twice the last-level cache of a large CPU */
 #define MOST_FLUSH  (512u << 20)
 #define LINE        64u
 
@@ -35,7 +35,7 @@ void bench_flush_close(bench_flush *flush)
     flush->block = NULL;
 }
 
-/* Written as well as read: a line that is only read may leave others in the cache that belongs to one core. */
+/* Written as well as read: reading alone may leave other cache lines in a core's own cache. */
 static void flush_caches(const bench_flush *flush)
 {
     volatile unsigned char *block = flush->block;

@@ -1,5 +1,5 @@
-/* pupil bench deferred: many lamps, shaded in passes over the scene, or from what the camera sees of it; and ambient
- * occlusion by rays and in screen space. */
+/* pupil bench deferred: many lamps, shaded in passes over the scene, or from a G-buffer; and ambient occlusion by rays
+ * and in screen space. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ typedef struct bench {
     pupil_spread spread;
     fixture_scene *scene;
     fixture_scene_facts facts;
-    size_t samples, lamps; /* lamps: of the turn */
+    size_t samples, lamps; /* lamps: in this turn */
     float *forward, *deferred;
     fixture_gbuffer g;
     pupil_why why;

@@ -53,8 +53,8 @@ static uint32_t cell_of(uint32_t first)
     return ((uint32_t)code << 16) + 0x10000u - (high - first);
 }
 
-/* The line that is off by as much at its ends as within: the chord, raised by half of its largest distance. The layout
- * and the number of entries are Fabian Giesen's (float to sRGB8 by table, 2012). */
+/* The line with the same error at its ends as within: the chord, raised by half of its largest error. The layout and
+ * the number of entries are Fabian Giesen's (float to sRGB8 by table, 2012). */
 static uint32_t segment_of(uint32_t first)
 {
     const double from = curve((double)of_bits(first)), to = curve((double)of_bits(first + 0x100000u));
@@ -135,14 +135,15 @@ INLINE void segments(const bench_tables *t, const float *restrict light, size_t 
     }
 }
 
-/* 65536 times the code's value, and a half. */
+/* 65536 times the code's value, plus a half. */
 INLINE int32_t value_of(const bench_tables *t, float x, float clamped, int degree)
 {
     const uint32_t bits = bits_of(clamped);
     const float m = of_bits((bits & 0x007fffffu) | 0x3f800000u), *c = degree == 3 ? t->cubic : t->quartic;
-    /* pairs first, so that one product need not wait for another */
+    /* by pairs, so that products do not wait for each other */
     const float low = c[0] + c[1] * m, high = degree == 3 ? c[2] + c[3] * m : (c[2] + c[3] * m) + c[4] * (m * m);
-    const uint32_t k = 127u - (bits >> 23); /* 1..9: times 2^(-5/12 k), bit by bit; vectors here cannot gather */
+    const uint32_t k = 127u - (bits >> 23); /* 1..9: times 2^(-5/12 k), bit by bit, because these vectors cannot
+                                             * gather */
     const float power = ((k & 1u ? 0x1.7f910d768cfbp-1f : 1.0f) * (k & 2u ? 0x1.1f59ac3c7d6cp-1f : 1.0f)) *
                         ((k & 4u ? 0x1.428a2f98d728bp-2f : 1.0f) * (k & 8u ? 0x1.965fea53d6e3cp-4f : 1.0f));
     const float bent =
@@ -151,8 +152,8 @@ INLINE int32_t value_of(const bench_tables *t, float x, float clamped, int degre
     return (int32_t)(x <= 0.0031308f ? line : bent);
 }
 
-/* In steps, each a loop of its own: of one loop gcc makes vectors as long as bytes allow, which do not fit the
- * registers, and a path for each side of each bound. */
+/* In steps, each in its own loop: for a single loop gcc takes as many lanes as there are bytes in a vector, which do
+ * not fit the registers, and makes a path for each side of each bound. */
 INLINE void values(const bench_tables *t, const float *restrict light, int32_t *restrict value, int degree)
 {
     float clamped[64];
@@ -184,8 +185,8 @@ INLINE void quartic(const bench_tables *t, const float *restrict light, size_t n
     polynomial(t, light, n, code, 4);
 }
 
-/* The quartic, and the cell where it is nearer to a boundary than its error: 0.0045 code, that of the polynomial
- * (1.2e-5 of 269) and of the floats above 128. As pupil does it on x86. */
+/* The quartic; or the cell, if the quartic is nearer to a boundary than its error: 0.0045 code, from the polynomial
+ * (1.2e-5 of 269) and from rounding of floats above 128. pupil does the same on x86. */
 #define NEAR 295
 INLINE void settled(const bench_tables *t, const float *restrict light, size_t n, uint8_t *restrict code)
 {
@@ -203,7 +204,7 @@ INLINE void settled(const bench_tables *t, const float *restrict light, size_t n
     }
 }
 
-/* Each twice where there may be AVX2. */
+/* Each is compiled twice if there may be AVX2. */
 #define FOR_ANY(NAME)                                                                                                  \
     static void NAME##_any(const bench_tables *t, const float *restrict light, size_t n, uint8_t *restrict code)       \
     {                                                                                                                  \

@@ -1,4 +1,5 @@
-/* ffmpeg's filters: tonemap and zscale on the CPU, and libplacebo, whose Vulkan is Mesa's llvmpipe: on the CPU too. */
+/* ffmpeg's filters: tonemap and zscale on the CPU, and libplacebo, which also runs on the CPU: its Vulkan is Mesa's
+ * llvmpipe. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -31,7 +32,7 @@ static void close_chain(void *state)
     free(c);
 }
 
-/* libplacebo maps what it takes for HDR: linear light with a mastering peak above a display's white. */
+/* libplacebo maps only what it takes for HDR: linear light with a mastering peak above a display's white. */
 static int tag(AVFrame *f)
 {
     AVMasteringDisplayMetadata *m = av_mastering_display_metadata_create_side_data(f);
@@ -101,7 +102,7 @@ static void run_chain(void *state)
         c->failed = 1;
 }
 
-/* A chain that has shown, by one frame, that it works; `device` NULL: none. */
+/* Opens a chain and tests it with one frame; `device` NULL: none. */
 static chain *open_chain(const char *filters, AVBufferRef *device, const float *rgba, uint32_t width, uint32_t height,
                          pupil_why *why)
 {
@@ -143,7 +144,7 @@ static double mean_of(const void *state)
     return sum / f->width / f->height;
 }
 
-/* tonemap knows no mean; the frame's peak it takes from the mastering display that the frame names. */
+/* tonemap has no mean; it takes the peak from the frame's mastering display. */
 #define TO_SRGB "zscale=tin=linear:t=iec61966-2-1:pin=bt709:p=bt709:min=gbr:m=gbr:rin=full:r=full,format=gbrp"
 
 static void *open_usual(const float *rgba, uint32_t width, uint32_t height, pupil_why *why)

@@ -1,4 +1,4 @@
-/* In the place of libavfilter's filters where they are not built in. */
+/* Replaces libavfilter's filters where they are not built in. */
 #include <stdio.h>
 
 #include "peers.h"

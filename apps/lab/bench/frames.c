@@ -46,8 +46,8 @@ static double random_of(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/* The light of lamps on a row, at half of daylight, so that no format clips it. turn: their phase on the first row, of
- * two and a half turns over the frame (a readout of 25 ms under 100 Hz); negative: no lamps. */
+/* The light of lamps on a row, at half of daylight, so that no format clips it. turn: their phase on the first row; the
+ * frame has two and a half turns (a readout of 25 ms under 100 Hz); negative: no lamps. */
 static double lamp_on(uint32_t y, uint32_t height, double turn)
 {
     const double two_pi = 6.28318530717958648;
@@ -60,7 +60,7 @@ static void shine(float rgba[4], double light)
         rgba[k] *= (float)light;
 }
 
-/* Over six stops, with a grain of half a stop, and colour that is strong in a thirtieth of the pixels. */
+/* Six stops, with a grain of half a stop, and strong colour in a thirtieth of the pixels. */
 static void easy_pixel(uint32_t x, uint32_t y, uint64_t *state, float rgba[4])
 {
     double light = exp2(2.0 * sin(x * 0.004) + cos(y * 0.006) + 0.5 * (random_of(state) - 0.5)) / 8.0;
@@ -71,7 +71,7 @@ static void easy_pixel(uint32_t x, uint32_t y, uint64_t *state, float rgba[4])
     rgba[3] = 1.0f;
 }
 
-/* One in sixteen is nothing that light could be, one a denormal, one black; the others are spread over 40 stops. */
+/* One sample in sixteen is no possible light, one a denormal, one black; the others are spread over 40 stops. */
 static void hard_pixel(uint64_t *state, float rgba[4])
 {
     static const float odd[] = {NAN, INFINITY, -INFINITY, -1.0f, 3e38f, -0.0f};
@@ -94,7 +94,7 @@ static double srgb_code(double light) /* IEC 61966-2-1 */
     return 255.0 * (light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1.0 / 2.4) - 0.055);
 }
 
-/* The nearest binary16, by way of its exponent: what overflows is Inf, NaN stays. */
+/* The nearest binary16, by its exponent: overflow gives Inf, NaN stays. */
 static uint16_t half_of(float value)
 {
     uint32_t bits;

@@ -28,7 +28,7 @@ typedef struct machine {
     pupil_egl *egl;
     gl_calls gl;
     char name[300];       /* for people */
-    const char *software; /* no GPU, but this */
+    const char *software; /* the software renderer; NULL: a GPU */
 } machine;
 
 /* --- what is given --- */
@@ -241,7 +241,7 @@ int bench_gles_main(int argc, char **argv)
     }
     pupil_egl_describe(m.name, sizeof m.name);
     m.software = gl_calls_software(&m.gl);
-    o.frames = o.frames ? o.frames : m.software ? 1 : 8; /* software takes as long for one as for many: a minute */
+    o.frames = o.frames ? o.frames : m.software ? 1 : 8; /* software is no faster for many: a minute */
     o.rounds = o.rounds ? o.rounds : m.software ? 3 : 7;
     status = measure_all(&o, &m);
     pupil_egl_close(m.egl);

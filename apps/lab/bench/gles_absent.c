@@ -1,4 +1,4 @@
-/* apps/lab/bench/gles_absent.c: in the place of bench_gles*.c where the build has no OpenGL ES. */
+/* apps/lab/bench/gles_absent.c: replaces bench_gles*.c in a build without OpenGL ES. */
 #include <stdio.h>
 
 #include "bench.h"

@@ -49,7 +49,7 @@ static void upload_on_gpu(void *context)
     wait_for_all(s);
 }
 
-/* Three frames are in progress at most: the oldest is waited for while the GPU has two more to do. */
+/* At most three frames are in flight: while the oldest is waited for, the GPU has two more to do. */
 static void meter_all(bench_gles_subject *s, pupil_gles *gles)
 {
     unsigned got = 0;
@@ -101,7 +101,8 @@ static void frame_on_gpu(void *context)
         note(s, pupil_gles_process(&s->gles, &s->plain, NULL, &target));
     }
     wait_for_all(s);
-    while (pupil_gles_collect(&s->gles, WAIT_NS, &s->stats, NULL) == PUPIL_OK) /* the next part begins with none */
+    while (pupil_gles_collect(&s->gles, WAIT_NS, &s->stats, NULL) == PUPIL_OK) /* the next part begins with none in
+                                                                                * flight */
         ;
 }
 
@@ -159,7 +160,7 @@ bench_gles_run *bench_gles_cpu(bench_part part)
 
 /* --- opening --- */
 
-/* As many bytes as a frame in texels of four, in rows that every driver can have. */
+/* As many bytes as a frame has, in texels of four bytes and rows that every driver takes. */
 static void make_copy(bench_gles_subject *s)
 {
     const gl_calls *gl = s->gl;
@@ -175,7 +176,7 @@ static void make_copy(bench_gles_subject *s)
     gl->BindFramebuffer(GL_FRAMEBUFFER, s->copied_framebuffer);
     gl->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, s->texture[0], 0);
     gl->ClearColor(0.25f, 0.5f, 0.75f, 1.0f);
-    gl->Clear(GL_COLOR_BUFFER_BIT); /* no driver shall know that nothing is in it */
+    gl->Clear(GL_COLOR_BUFFER_BIT); /* so that the driver cannot skip an empty texture */
 }
 
 static void make_target(bench_gles_subject *s)
@@ -200,7 +201,7 @@ static int open_frame(bench_gles_subject *s, uint32_t pixel, uint32_t width, uin
     if (!s->in.data || !s->copy || !s->cpu_out.data || !s->gpu_out.data)
         return -1;
     pupil_config_default(&c);
-    pupil_init(&s->counting, &c); /* the white point that follows wants the histogram */
+    pupil_init(&s->counting, &c); /* a following white point needs the histogram */
     c.white_mode = PUPIL_WHITE_FIXED;
     c.white = 4.0;
     pupil_init(&s->plain, &c);
@@ -283,7 +284,7 @@ int bench_gles_compare(bench_gles_subject *s, bench_gles_error *error, pupil_why
     const unsigned char *a = s->cpu_out.data, *b = s->gpu_out.data;
     for (size_t i = 0; i < (size_t)s->in.width * s->in.height * 4; i++) {
         if (i % 4 == 3)
-            continue; /* alpha is no light */
+            continue; /* alpha is not light */
         const int apart = abs(a[i] - b[i]);
         error->code = apart > error->code ? apart : error->code;
         off += apart != 0;

@@ -30,7 +30,7 @@ long long bench_instructions(void (*run)(void *context), void *context)
     for (;;) {
         if (ptrace(PTRACE_SINGLESTEP, child, NULL, NULL) || waitpid(child, &status, 0) != child)
             break;
-        if (!WIFSTOPPED(status) || WSTOPSIG(status) == SIGSTOP) /* it has ended, or it has marked its end */
+        if (!WIFSTOPPED(status) || WSTOPSIG(status) == SIGSTOP) /* the child has ended, or marked its end */
             break;
         steps++;
     }

@@ -120,7 +120,7 @@ static int check_formats(const bench_options *o)
     return 0;
 }
 
-/* What goes together; 0, or -1 and a sentence. */
+/* Checks which options exclude each other; 0, or -1 and a sentence. */
 static int check(const bench_options *o)
 {
     const int modes = o->peers + o->worst + (o->plot != NULL);

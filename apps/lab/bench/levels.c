@@ -63,7 +63,7 @@ static int race(const bench_options *o, bench_subject *s, bench_kernel *k, const
     if (bench_race(runner, n, o->rounds ? o->rounds : ROUNDS, flush, interrupt_came))
         return interrupt_came() ? BENCH_INTERRUPTED : BENCH_FAILED;
     for (size_t i = 2; i < n; i++) {
-        for (int hard = 0; hard < 2 && k[i].which == BENCH_METER; hard++) /* the others of a level share them */
+        for (int hard = 0; hard < 2 && k[i].which == BENCH_METER; hard++) /* a level's other kernels share them */
             if (bench_kernel_error(k[i].level, s->in.pixel, o->light, o->out->step, hard, &error[hard]))
                 return BENCH_FAILED;
         if (o->json)
@@ -77,7 +77,7 @@ static int race(const bench_options *o, bench_subject *s, bench_kernel *k, const
 
 int bench_levels(const bench_options *o, workers *crew, const bench_flush *flush)
 {
-    static bench_kernel k[MOST_RUNNERS]; /* one run a process; large for a stack */
+    static bench_kernel k[MOST_RUNNERS]; /* one run per process; too large for a stack */
     int status = BENCH_DONE;
     if (!o->json)
         printf("%lux%lu, %u thread%s, %s, to %s, median of %u rounds in turns; errors on an easy and on a hard frame:\n"

@@ -1,4 +1,4 @@
-/* In the place of OpenCV where it is not built in. */
+/* Replaces OpenCV where it is not built in. */
 #include <stdio.h>
 
 #include "peers.h"

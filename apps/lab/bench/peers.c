@@ -1,5 +1,5 @@
-/* pupil bench kernels --peers: pupil's fused and exact in turns with what a user would take instead, on the same frame.
- */
+/* pupil bench kernels --peers: pupil's fused and exact mapping in turns with what a user could use instead, on the same
+ * frame. */
 #include "peers.h"
 
 #include <stdio.h>
@@ -28,7 +28,7 @@ typedef struct peer_race {
     const bench_peer *peer[PEERS]; /* those that opened, */
     void *state[PEERS];            /* and what they opened */
     bench_runner runner[MOST_RUNNERS];
-    size_t own, plains, opened; /* runners: 2, own, plains, opened */
+    size_t own, plains, opened; /* numbers of runners: 2, own, plains, opened */
 } peer_race;
 
 static void run_plain(void *context)
@@ -149,7 +149,7 @@ static int race(peer_race *r, const bench_flush *flush)
 
 int bench_peers(const bench_options *o, workers *crew, const bench_flush *flush)
 {
-    static peer_race r; /* one run a process; the kernels are large for a stack */
+    static peer_race r; /* one run per process; the kernels are too large for a stack */
     int status = BENCH_FAILED;
     r.o = o;
     if (!bench_subject_open(&r.s, o, PUPIL_PIXEL_RGBA32F, crew))

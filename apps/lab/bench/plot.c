@@ -9,7 +9,7 @@
 #include "common/report_error.h"
 #include "output/plot.h"
 
-/* In pixels of the picture; a letter as wide as gnuplot's Sans of 10 points comes to on average. */
+/* In pixels of the picture; a letter has the average width of gnuplot's Sans of 10 points. */
 #define WIDE   1500.0
 #define HIGH   520.0
 #define LETTER 7.3
@@ -28,10 +28,10 @@ typedef struct box {
 } box;
 
 typedef struct panel {
-    bench_group first, last; /* groups that are in it */
-    double x0, x1, y0, y1;   /* where its axes are, of 1 */
+    bench_group first, last; /* groups in this panel */
+    double x0, x1, y0, y1;   /* its axes, 0..1 of the picture */
     double fastest, slowest; /* ns: its axis */
-    int lowest, highest;     /* error: powers of ten; what is exact is below the lowest */
+    int lowest, highest;     /* error: powers of ten; exact choices are below the lowest */
     const char *error;
 } panel;
 
@@ -68,7 +68,7 @@ static void fit(panel *p, const drawing *d)
         }
     }
     p->slowest *= 1.45;                 /* room for the last name */
-    p->lowest = (int)floor(lowest) - 2; /* and for those of what is exact */
+    p->lowest = (int)floor(lowest) - 2; /* and for the names of exact choices */
     p->highest = (int)ceil(fmax(highest, lowest) + 0.3);
 }
 
@@ -116,8 +116,8 @@ static double width_of(const bench_choice *c)
     return LETTER * (double)(strlen(c->name) + (c->code_max > 1 ? 16 : 0));
 }
 
-/* Next to its point, where nothing else is: to the right or left of it, higher and lower by one line more each time; a
- * thin line leads there from the point. */
+/* Puts a name in the first free place right or left of its point, each time one line higher or lower; a thin line
+ * connects it with the point. */
 static void name_point(FILE *out, const panel *p, const bench_choice *c, box *taken, size_t *count)
 {
     const box at = point_of(p, c);
@@ -137,8 +137,8 @@ static void name_point(FILE *out, const panel *p, const bench_choice *c, box *ta
     }
 }
 
-/* What is exact is on one line: names as flags above it, on masts that are the higher the farther left they are, so
- * that none goes through a name. */
+/* Exact choices are on one line. Their names are flags above it, with higher masts farther left, so that no mast
+ * crosses a name. */
 static void name_exact(FILE *out, const panel *p, const drawing *d, box *taken, size_t *count)
 {
     for (size_t i = 0; i < d->count; i++) {

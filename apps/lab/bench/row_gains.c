@@ -11,7 +11,8 @@
 #include "pupil/row_gain.h"
 #include "subject.h"
 
-/* 30 frames a second under 100 Hz: every third is alike. WATCHED: a second's, and half a second in which gains come. */
+/* 30 frames a second under 100 Hz: every third has the same phase. WATCHED: one second, and half a second until there
+ * are gains. */
 enum { ROUNDS = 21, PHASES = 3, WATCHED = 45 };
 
 typedef struct lamp_room {
@@ -63,7 +64,7 @@ static int open_room(lamp_room *r, const bench_options *o, uint32_t pixel, worke
         pupil_row_gain_init(&r->lamps, &config))
         return fputs("pupil bench: no row correction gains\n", stderr), -1;
     r->gains.gain = r->gain;
-    r->frames = PHASES; /* a timestamp of 0 is none */
+    r->frames = PHASES; /* a timestamp of 0 means none */
     for (int i = 0; i < WATCHED; i++) {
         next(r);
         watch(r);
@@ -121,7 +122,7 @@ static int race(const bench_options *o, lamp_room *r, const bench_flush *flush)
 
 int bench_lamps(const bench_options *o, workers *crew, const bench_flush *flush)
 {
-    static lamp_room r; /* one run a process; the kernels are large for a stack */
+    static lamp_room r; /* one run per process; the kernels are too large for a stack */
     int status = BENCH_DONE;
     if (!o->json)
         printf("%lux%lu, %s, metering and mapping by %u thread%s, %s, to %s, median of %u rounds in turns; ns a pixel\n"

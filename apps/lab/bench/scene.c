@@ -1,5 +1,5 @@
-/* pupil bench scene: what a scene costs: each light's picture once, then a sum a frame. Each scene in a process of its
- * own, so that the peak of its memory is its own. */
+/* pupil bench scene: what a scene costs: each light's picture once, then a sum for each frame. Each scene has its own
+ * process, so that the peak memory is its own. */
 #include "scene_cost.h"
 
 #include <errno.h>
@@ -94,7 +94,7 @@ static int load(measuring *m)
     return m->rgb ? 0 : refuse(m, "not enough memory for a frame");
 }
 
-/* The sequence as a reader of the scene has it. */
+/* The sequence, as a reader of the scene gets it. */
 static int sequence(measuring *m)
 {
     bench_scene *o = m->out;
@@ -113,7 +113,7 @@ static int sequence(measuring *m)
     return 0;
 }
 
-/* The lights that are on in a frame; all of them, regardless of the schedule, where `all` is set. */
+/* Switches on a frame's lights, or, if `all` is set, all lights regardless of the schedule. */
 static void light_up(measuring *m, uint64_t frame, int all)
 {
     m->lit = 0;
@@ -170,7 +170,7 @@ static int sums(measuring *m)
     m->copy = malloc(m->samples * sizeof(float));
     if (!m->copy || bench_flush_open(&flush))
         return refuse(m, "not enough memory to measure");
-    memset(m->copy, 0, m->samples * sizeof(float)); /* so that the first copy does not wait for its pages */
+    memset(m->copy, 0, m->samples * sizeof(float)); /* so that the first copy takes no page faults */
     int failed = race(m, &o->warm, WARM_ROUNDS, NULL) || race(m, &o->cold, COLD_ROUNDS, &flush);
     bench_flush_close(&flush);
     return failed ? -1 : 0;
@@ -218,7 +218,7 @@ static int measure_apart(bench *b, bench_scene *out)
         return pupil_refuse(&out->why, "%s: no process to measure it in: %s", out->name, strerror(errno));
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
         if (interrupt_came() && !told++)
-            kill(child, SIGTERM); /* from a terminal it has heard already; not from `kill` */
+            kill(child, SIGTERM); /* the child has a terminal's signal already, but not that of `kill` */
     if (!out->done && !*out->why.text && !interrupt_came())
         pupil_refuse(&out->why, "%s: the process that measured it ended early%s", out->name,
                      WIFSIGNALED(status) ? ", by a signal" : "");

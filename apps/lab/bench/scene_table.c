@@ -1,4 +1,4 @@
-/* What `pupil bench scene` found, for a terminal and as JSON. */
+/* The results of `pupil bench scene`, for a terminal and as JSON. */
 #include <string.h>
 
 #include "scene_cost.h"
@@ -28,7 +28,7 @@ static double per_byte(const bench_scene *s, const bench_sums *t)
 
 /* --- JSON --- */
 
-/* A string as RFC 8259 (JSON) has it. */
+/* A string by RFC 8259 (JSON). */
 static void quoted(FILE *out, const char *text)
 {
     fputc('"', out);

@@ -104,7 +104,7 @@ void bench_copy_run(void *context)
 
 /* --- opening --- */
 
-/* The same codes as other light. */
+/* Sets another light for the same codes. */
 static void set_light(pupil_image_const *in, pupil_coding *coding, uint32_t light)
 {
     if (light == PUPIL_LIGHT_DEFAULT)

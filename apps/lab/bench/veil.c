@@ -1,4 +1,4 @@
-/* pupil bench veil: what a veil costs: lists of lights beside what one might use instead, and frames with one beside
+/* pupil bench veil: what a veil costs: lists of lights compared with alternatives, and frames with a veil compared with
  * frames without. */
 #include <math.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@
 #include "veil_frames.h"
 #include "veil_rivals.h"
 
-/* Instructions are counted in a picture of a tenth of the size: each of them stops the process once. */
+/* Instructions are counted in a picture of a tenth of the size, because each stops the process once. */
 enum { SIDE = 600, COUNTED_SIDE = 60, MOST_LIGHTS = 10000, COUNTS = 5 };
 #define SIGMA_PX 37.5
 #define PERIOD   1.25 /* of a bell that reaches 150 pixels: 750 */
@@ -110,7 +110,7 @@ static void pyramid(void *context)
     veil_pyramid_run(b->pyramid, &b->lights, b->rgb);
 }
 
-/* Of what was drawn last: the largest error, in % of the largest value. */
+/* The largest error of the last drawn picture, in % of the largest value. */
 static double error_of(const bench *b)
 {
     double peak = 0, most = 0;
@@ -127,7 +127,7 @@ static double random_share(uint64_t *state) /* Knuth's MMIX generator */
     return (double)(*state >> 11) * 0x1p-53;
 }
 
-/* In the middles of pixels, where all ways are exact in place. */
+/* In the middles of pixels, which all ways represent exactly. */
 static void place(bench *b, size_t count)
 {
     uint64_t state = 20261122;
@@ -147,7 +147,7 @@ typedef struct list_row {
     long long instructions;                 /* of evaluating one row */
 } list_row;
 
-/* The other ways, which have no harmonics. The direct sum of many lights takes seconds: once. */
+/* The other ways, which have no harmonics. The direct sum of many lights is run once, because it takes seconds. */
 static int measure_rivals(bench *b, size_t lights, list_row *row)
 {
     bench_runner runners[] = {{.run = pyramid, .context = b}, {.run = fft, .context = b}};
@@ -188,7 +188,7 @@ static int measure_series(bench *b, list_row *row)
     return interrupt_came() ? -1 : 0;
 }
 
-/* Up to how many lights the direct sum takes less time: both are straight lines in their number. */
+/* The number of lights up to which the direct sum takes less time; both times are linear in it. */
 static double crossing(const list_row *few, const list_row *many)
 {
     const double lights = (double)(many->lights - few->lights);

@@ -1,5 +1,5 @@
-/* Lights by convolution: forward, times the bell's transform, and back, with as much room beside the picture as the
- * bell reaches. */
+/* Lights by convolution: a forward FFT, times the bell's transform, and back; the picture is padded by the bell's
+ * reach. */
 #include "veil_rivals.h"
 
 #include <fftw3.h>

@@ -1,4 +1,4 @@
-/* In the place of veil_fft.c where FFTW is not built in. */
+/* Replaces veil_fft.c where FFTW is not built in. */
 #include "veil_rivals.h"
 
 veil_fft *veil_fft_open(uint32_t side, double sigma_px, const char **why)

@@ -151,7 +151,7 @@ static double random_share(uint64_t *state) /* Knuth's MMIX generator */
     return (double)(*state >> 11) * 0x1p-53;
 }
 
-/* Eight stops, each sample by itself. */
+/* Independent samples over eight stops. */
 static void fill_noise(frames *f)
 {
     uint64_t state = 20261122;
@@ -176,7 +176,7 @@ static void fill_with(frames *f, const float *rgb, uint32_t width, uint32_t heig
         }
 }
 
-/* 0; -1: no memory; 1: it cannot be read. */
+/* 0; -1: no memory; 1: the picture cannot be read. */
 static int fill(frames *f, const char *picture)
 {
     pupil_still still = {0};
@@ -201,7 +201,7 @@ static int fill(frames *f, const char *picture)
     return unusable;
 }
 
-/* Pixels above a threshold in a part of the frame; what is beyond its edges does not count. */
+/* Pixels above a threshold in a part of the frame; positions outside the frame do not count. */
 static size_t lit_pixels(const frames *f, double above, int64_t x, int64_t y, int64_t side)
 {
     const int64_t width = f->in.width, height = f->in.height;
@@ -220,7 +220,7 @@ static double lit_percent(const frames *f, double above)
     return 100.0 * (double)lit_pixels(f, above, 0, 0, side) / ((double)f->in.width * f->in.height);
 }
 
-/* Blocks that the kernel at full size scatters to, which reaches 3 pixels. */
+/* The share of blocks that the full-size kernel, with a reach of 3 pixels, scatters to. */
 static double reached_percent(const frames *f, double above)
 {
     enum { BLOCK = 32, REACH = 3 };

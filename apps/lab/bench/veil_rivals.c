@@ -91,7 +91,7 @@ static void halve(const float *from, uint32_t side, float *to, uint32_t half)
                 for (int i = 0; i < 4; i++) {
                     const int64_t u = 2 * (int64_t)x + i - 1, v = 2 * (int64_t)y + j - 1;
                     if (u < 0 || v < 0 || u >= side || v >= side)
-                        continue; /* what is outside is dark */
+                        continue; /* outside is dark */
                     const float *p = from + 3 * ((size_t)v * side + (size_t)u);
                     for (int c = 0; c < 3; c++)
                         sum[c] += tent[i] * tent[j] * p[c];
@@ -100,7 +100,7 @@ static void halve(const float *from, uint32_t side, float *to, uint32_t half)
         }
 }
 
-/* to = scale * to + the smaller one, bilinear. */
+/* to = scale * to + from, enlarged bilinearly. */
 static void enlarge(const float *from, uint32_t half, float *to, uint32_t side, float scale)
 {
     for (uint32_t y = 0; y < side; y++)
@@ -150,7 +150,7 @@ static void solve(double a[LEVELS][LEVELS + 1])
         }
 }
 
-/* The weights by what each level alone makes of one light in the middle. */
+/* Fits the weights to the pictures that each level alone makes of one light in the middle. */
 static int fit(veil_pyramid *p, double sigma)
 {
     const uint32_t side = p->side[0];

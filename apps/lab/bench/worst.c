@@ -1,5 +1,5 @@
 /* pupil bench kernels --worst: how much longer than the median the slowest frame in a thousand takes, for frames that
- * ought to be as quick as any. */
+ * should be as fast as any. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,12 +30,12 @@ static const char *const case_says[CASES] = {
 typedef struct worst_case {
     bench_subject s;
     bench_kernel kernel;
-    void *own_out; /* what s.out had before it was mapped afresh */
+    void *own_out; /* s.out's memory before it was mapped again */
     size_t bytes;
     int failed;
 } worst_case;
 
-/* Untouched memory for the output; what was touched goes back. */
+/* Gives the output untouched pages, and frees the touched ones. */
 static void map_afresh(void *context)
 {
     worst_case *w = context;
@@ -58,7 +58,7 @@ static void run(void *context)
     bench_kernel_run(&((worst_case *)context)->kernel);
 }
 
-/* Every second pixel of an easy frame, so that ordinary and odd ones are never apart. */
+/* Replaces every second pixel of an easy frame, so that odd pixels are always next to ordinary ones. */
 static void plant(pupil_image_const in, const float *odd, unsigned count)
 {
     float *rgba = (float *)(uintptr_t)in.data;
@@ -68,7 +68,7 @@ static void plant(pupil_image_const in, const float *odd, unsigned count)
             rgba[4 * i + k] = odd[(i / 2 + k) % count];
 }
 
-/* Lamps of every hue, with 2 to 10 % of the others' light in the weakest channels, from 1 to 1000 times white. */
+/* Lamps of every hue, whose weakest channels have 2 to 10 % of the others' light, from 1 to 1000 times white. */
 static void plant_lamps(pupil_image_const in)
 {
     static const float lamp[][3] = {{1.0f, 0.02f, 0.05f}, {1.0f, 0.5f, 0.1f},  {0.1f, 1.0f, 0.05f},
@@ -107,7 +107,7 @@ static int open_case(worst_case *w, int which, const bench_options *o, workers *
         plant(w->s.in, odd, 4);
     if (which == SATURATED || which == LAMPS)
         plant_lamps(w->s.in);
-    bench_kernel_run(&w->kernel); /* the memory that is in use */
+    bench_kernel_run(&w->kernel); /* output to memory that is in use */
     return 0;
 }
 
@@ -164,7 +164,7 @@ static int race(const bench_options *o, worst_case *w, workers *crew, uint32_t l
 
 int bench_worst(const bench_options *o, workers *crew)
 {
-    static worst_case w[CASES]; /* one run a process; the kernels are large for a stack */
+    static worst_case w[CASES]; /* one run per process; the kernels are too large for a stack */
     const int status = race(o, w, crew, bench_best_level());
     for (int i = 0; i < CASES; i++)
         close_case(&w[i]);

@@ -21,7 +21,7 @@ typedef struct render {
     size_t out_count;
     pupil_source_options source_options;
     int overwrite, quiet;
-    unsigned layers; /* 0: light alone */
+    unsigned layers; /* 0: only light */
 
     pupil_source *source;
     pictures linear, display;
@@ -33,7 +33,7 @@ typedef struct render {
 
 /* --- the command line --- */
 
-/* A number of frames and where it ends; -1: none. */
+/* Parses a number of frames, and sets `end` after it; -1: no number. */
 static int whole(const char *text, char **end, uint64_t *value)
 {
     errno = 0;
@@ -246,7 +246,7 @@ static void end(render *r)
 
 int render_main(int argc, char **argv)
 {
-    static render r; /* one run a process; pupil_t and pupil_stats are large for a stack */
+    static render r; /* one run per process; pupil_t and pupil_stats are too large for a stack */
     const int parsed = parse(&r, argc, argv);
     if (parsed >= 0)
         return parsed;

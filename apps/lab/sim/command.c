@@ -37,7 +37,7 @@ static int parse_camera(const option_value *v)
     return OPTIONS_HELP;
 }
 
-/* The script, or that of a file, "@FILE". */
+/* The script, or "@FILE", a file with it. */
 static int parse_light(const option_value *v)
 {
     sim_options *o = v->options;
@@ -163,7 +163,7 @@ static int check_together(const sim_options *o, pupil_why *why)
     return 0;
 }
 
-/* The loop that the options represent; an exit status, and a sentence. */
+/* Sets up the loop of the options; an exit status, and a sentence. */
 static int prepare(sim_options *o, pupil_why *why)
 {
     if (check_together(o, why))
@@ -189,7 +189,7 @@ static int prepare(sim_options *o, pupil_why *why)
     return EXIT_DONE;
 }
 
-/* The exit status of a run that is to be right, and what is wrong with it. */
+/* The exit status of a checked run, and a sentence about what is wrong with it. */
 static int sim_check(const fixture_verdict *v, pupil_why *why)
 {
     if (!v->is_evaluated)
@@ -207,7 +207,7 @@ static int run_one(sim_options *o, pupil_why *why)
     run.frame = malloc(run.frames * sizeof *run.frame);
     int failed = run.frame ? fixture_loop_run(&o->loop, run.frames, run.frame, why)
                            : pupil_refuse(why, "not enough memory for %zu frames", run.frames);
-    /* frames that never came have a number, too */
+    /* lost frames have a number, too */
     while (!failed && run.event + run.rest < run.frames &&
            run.frame[run.event].truth.time_s < fixture_loop_last_s(&o->loop) - 1e-6)
         run.event++;

@@ -1,4 +1,4 @@
-/* pupil sim --plot: what the light did, what the camera was set to, and how far off the picture was. */
+/* pupil sim --plot: the light, the camera's settings, and the picture's error. */
 #include <math.h>
 
 #include "output/plot.h"
@@ -15,7 +15,7 @@ enum { MOST_LINES = 20000 };
 
 static void data(FILE *out, const sim_run *run)
 {
-    const size_t every = run->frames / MOST_LINES + 1; /* beyond that a line of the plot is thinner than a frame */
+    const size_t every = run->frames / MOST_LINES + 1; /* with more points a frame would be thinner than a line */
     fputs("$run << END\n", out);
     for (size_t i = 0; i < run->frames; i += every) {
         const fixture_loop_frame *f = &run->frame[i];
@@ -40,7 +40,7 @@ static void panel(FILE *out, int index, int count, const char *label)
             index == count - 1 ? "set format x '%%g'\nset xlabel 'time, seconds' offset 0,0.4\n" : "set format x ''\n");
 }
 
-/* The range of one of a frame's numbers, never empty. */
+/* The range of a number over all frames, never empty. */
 static void range(FILE *out, const sim_run *run, double (*value)(const fixture_loop_frame *f), double at_least)
 {
     double low = INFINITY, high = -INFINITY;

@@ -12,7 +12,7 @@
 #include "synth/spread.h"
 
 enum { MOST_RANDOM_FRAMES = 4000, MOST_NAMED = 20 };
-/* Cameras that a thread takes at once, and that are waited for before those that failed are named, in their order. */
+/* BLOCK: cameras that a thread takes at once. ROUND: cameras after which the failed ones are named, in order. */
 enum { BLOCK = 16, ROUND = 64 * BLOCK };
 
 int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
@@ -23,7 +23,7 @@ int sim_random_loop(sim_options *o, uint64_t seed, pupil_why *why)
     if (fixture_plant_check(&loop->plant, why) || fixture_light_parse(&loop->script, o->light, why))
         return -1;
     fixture_loop_fit(loop);
-    /* what an owner believes who knows no better than that 4 is the longest that is usual, or has seen it jitter */
+    /* the guess of an owner: 4, the longest usual delay, plus the jitter that was seen */
     const uint32_t late = loop->plant.jitter[0] > loop->plant.jitter[1] ? loop->plant.jitter[0] : loop->plant.jitter[1];
     loop->sensor.delay_frames = 4 + late;
     sim_configure(o);
@@ -39,7 +39,7 @@ typedef struct outcome {
 
 typedef struct random_run {
     const sim_options *options;
-    uint64_t first, named; /* of this round, from the first seed on */
+    uint64_t first, named; /* counted from the first seed */
     size_t count;
     pthread_mutex_t lock; /* of these four */
     progress progress;
@@ -55,7 +55,7 @@ static double cpu_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* One plant; -1 and a sentence where it could not be run to its end or ends wrong. */
+/* Runs one plant; -1 and a sentence if it could not be run to its end, or ended wrong. */
 static int try_one(sim_options *o, uint64_t seed, fixture_loop_frame *frame, size_t *frames, outcome *out)
 {
     size_t event;
@@ -113,7 +113,7 @@ static void count_round(random_run *r)
             sim_count_faults(&r->table, r->outcome[i].faults, &r->outcome[i].verdict);
 }
 
-/* The cameras of a round that failed, and the command that shows each. */
+/* Names the failed cameras of a round, each with the command that shows it. */
 static void name_failed(random_run *r)
 {
     const sim_options *o = r->options;

@@ -1,4 +1,4 @@
-/* How random cameras ended, by what was wrong with them. */
+/* The results of random cameras, by their faults. */
 #include <math.h>
 
 #include "sim.h"

@@ -1,4 +1,4 @@
-/* What a simulated loop did: each frame as a line, and a summary. */
+/* The report of a simulated loop: a line for each frame, and a summary. */
 #include <math.h>
 #include <string.h>
 

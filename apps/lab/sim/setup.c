@@ -1,4 +1,4 @@
-/* The loop that the options represent: its controller, and how long it runs. */
+/* The loop of the options: its controller, and its length. */
 #include <math.h>
 
 #include "options/key_at.h"
@@ -13,7 +13,7 @@ void sim_configure(sim_options *o)
         c->delay_frames = o->believed;
     c->mains_hz = o->mains_hz;
     if (o->key_at)
-        key_at_parse(o->key_at, c->key_at, &c->key_points); /* it was right when it was read */
+        key_at_parse(o->key_at, c->key_at, &c->key_points); /* it was checked when it was parsed */
 }
 
 size_t sim_frames(const sim_options *o, size_t *event)

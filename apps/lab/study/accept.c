@@ -1,11 +1,11 @@
-/* A1 to A7: what the tables must show, regardless of the scene. They read the tables and the two log-averages, nothing
- * else; the closed forms are those of docs/study.md. */
+/* A1 to A7: what the tables must show, regardless of the scene. They read only the tables and the two log-averages;
+ * docs/study.md has the closed forms. */
 #include "study.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A line of cells: of a formula, a case and a weight. */
+/* A line of cells has one formula, case and weight. */
 #define FOR_EACH_RUN(f, c, w)                                                                                          \
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)                                                                      \
         for (unsigned c = 0; c < STUDY_CASES; c++)                                                                     \
@@ -65,7 +65,7 @@ void study_accept_equal(study_test *test, const study_cells *cells)
                 count(test, cells->frame[2][c][w][t] == cells->frame[3][c][w][t]);
 }
 
-/* A flash of 30 frames delays or hastens the arrival by what 30 frames leave of the way. */
+/* A flash of 30 frames makes the arrival later or earlier by the part of the way that 30 frames leave. */
 static void accept_flash(study_test *test, const study_cells *cells)
 {
     static const unsigned pair[2][2] = {{2, 1}, {3, 0}}; /* with a flash, without: the same final light */
@@ -89,7 +89,7 @@ typedef struct span {
 
 #define MOST_SPANS (STUDY_FORMULAS * 2 * (STUDY_WEIGHTS - 1))
 
-/* The most spans that one number is in; it can be taken where one of them begins. */
+/* The largest number of spans that share a value. It is enough to test where spans begin. */
 static unsigned most_common(const span *s, unsigned n)
 {
     unsigned best = 0;

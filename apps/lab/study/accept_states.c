@@ -15,7 +15,7 @@ static void count(study_test *test, int holds)
 
 static void accept_mirror(study_test *test, const study_states *states)
 {
-    /* What one formula does in one case another does in its mirror image: {formula, case, formula, case}. */
+    /* One formula in one case mirrors another formula in another case: {formula, case, formula, case}. */
     static const unsigned pair[][4] = {{0, 0, 1, 1}, {0, 1, 1, 0}, {0, 2, 1, 3}, {0, 3, 1, 2},
                                        {2, 0, 3, 0}, {2, 1, 3, 1}, {2, 2, 3, 2}, {2, 3, 3, 3}};
     for (size_t p = 0; p < sizeof pair / sizeof pair[0]; p++)
@@ -30,9 +30,7 @@ static void accept_mirror(study_test *test, const study_states *states)
 
 /* --- A9 --- */
 
-/* Frames that suffice: 55 bits of way at ln 2 / lambda frames a bit, and a few hundred of the smallest step. Twice
- * that.
- */
+/* Enough frames: twice 55 bits of way at ln 2 / lambda frames a bit, and some hundred of the smallest step. */
 static uint32_t long_run(double weight)
 {
     return (uint32_t)(2.0 * 55.0 * M_LN2 / (weight < 1.0 ? -log1p(-weight) : 1.0)) + 1000;
@@ -54,7 +52,7 @@ static const unsigned rates[] = {24, 30, 60, 120, 240};
 #define LONGEST_S   400u /* wait_s() of the slowest tau, 6.65 s, and the strongest lamp, 2^20 */
 #define MOST_FRAMES (LONGEST_S * 240u)
 
-/* Seconds after which every formula is within every u*: the slowest has the way ln(r / u*) in units of tau. */
+/* Seconds after which every formula is within every u*: the slowest needs ln(r / u*) times tau. */
 static double wait_s(const study_cells *cells, double ln_r, int light, double tau_s)
 {
     double least = 1.0;
@@ -63,7 +61,7 @@ static double wait_s(const study_cells *cells, double ln_r, int light, double ta
     return fmin(3.0 + tau_s * (ln_r + 1.0 - log(fmax(least, 1e-13))), LONGEST_S);
 }
 
-/* Seconds from the last change until |u| <= u_star; negative where that is not reached. */
+/* Seconds from the last change until |u| <= u_star; negative: never. */
 static double arrival_s(const double *u, const study_run *run, double u_star)
 {
     const uint32_t start = study_start(run->which_case, run->fps);

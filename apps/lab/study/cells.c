@@ -1,15 +1,15 @@
-/* The tables: where each run first comes near enough to its target, by bisection instead of by rendering every frame.
- */
+/* The tables: the frame at which each run first is near enough to its target, found by bisection instead of rendering
+ * every frame. */
 #include "study.h"
 
 #include <math.h>
 #include <stdatomic.h>
 
-/* The largest |u| on the side that runs come from whose picture is within the threshold. Bisected on the exponent of
- * |u|, until no double is between. */
+/* The largest |u| whose picture is within the threshold, on the side that runs come from. The exponent of |u| is
+ * bisected until no double is between. */
 static double bisect(study_target *target, int light, uint64_t threshold)
 {
-    const double side = light ? 1.0 : -1.0; /* toward a bright scene the state comes from too bright */
+    const double side = light ? 1.0 : -1.0; /* in a scene that has become bright the state starts too bright */
     double inside = 0.0, outside = 1.0;
     while (study_distance(target, side * outside, threshold) <= threshold && outside < 64.0)
         outside *= 2.0;
@@ -29,8 +29,8 @@ static int arrived(study_target *target, double u, uint64_t threshold)
     return study_distance(target, u, threshold) <= threshold;
 }
 
-/* The first frame from `from` on whose picture is within the threshold, else the last. u* says where to look; the
- * pictures decide: the frame found is within, and the one before it is not. */
+/* The first frame from `from` on whose picture is within the threshold, else the last. u* only says where to look; the
+ * pictures decide: the found frame is within, the one before it is not. */
 static uint16_t first_frame(study_target *target, const double *u, uint32_t from, uint64_t threshold, double u_star)
 {
     uint32_t i = from;
@@ -43,7 +43,8 @@ static uint16_t first_frame(study_target *target, const double *u, uint32_t from
     return (uint16_t)i;
 }
 
-/* Everything that the workers share. The u* come first, then the runs, a run at a time to a free thread. */
+/* Everything that the workers share. First the u* are found, then the runs' cells; a free thread takes one at a
+ * time. */
 typedef struct job {
     study_cells *cells;
     study_target *targets;

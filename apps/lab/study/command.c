@@ -1,4 +1,4 @@
-/* `pupil study`: the study of temporal tone mapping, made again. study.h says how its parts hang together. */
+/* `pupil study`: repeats the study of temporal tone mapping. study.h describes its parts. */
 #include "study.h"
 
 #include <errno.h>
@@ -18,7 +18,7 @@
 #include "output/plot.h"
 #include "refuse.h"
 
-/* A10: light times 2^shift; what the floor's range leaves room for. */
+/* A10: light times 2^shift, as far as the floor's range allows. */
 static const int shifts[] = {5, -7};
 
 typedef struct study {
@@ -31,7 +31,7 @@ typedef struct study {
     study_result result;
     workers *team;
     progress progress;
-    const char *doing; /* what the progress is of */
+    const char *doing; /* the step that the progress shows */
     int made_folder;
     char command[4096];
     pupil_why why;
@@ -62,7 +62,7 @@ static double ln_r(const study *s)
     return (s->lights.ev[1] - s->lights.ev[0]) * M_LN2;
 }
 
-/* Cells from the light as it is in s->images. `result` receives what the pictures show; NULL: nothing. */
+/* Makes the cells for the light in s->images. `result` gets the results of the pictures; NULL: none. */
 static int make_cells(study *s, const study_lights *lights, const study_states *states, study_cells *cells,
                       study_result *result)
 {
@@ -152,7 +152,7 @@ static void video_name(const study *s, unsigned video, char *name, size_t bytes)
              s->options.video[video].formula + 1);
 }
 
-/* "folder/name"; a name that does not fit is refused where it is opened. */
+/* "folder/name"; a name that does not fit is refused when it is opened. */
 static const char *within(const study *s, const char *name)
 {
     static char path[4096];
@@ -160,7 +160,7 @@ static const char *within(const study *s, const char *name)
     return path;
 }
 
-/* Before the minute that the study takes: what it would replace. */
+/* Before the minute that the study takes: refuses to replace existing files. */
 static int check_kept(study *s)
 {
     static const char *const files[] = {"study.csv",       "study.md",        "study.html",     "level-case1.svg",
@@ -247,14 +247,14 @@ static int regression(study *s)
     study_test order = {.name = "A2"}, equal = {.name = "A3"}, one_number = {.name = "A5"};
     study_accept_order(&order, &r.seeds);
     study_accept_equal(&equal, &r.seeds);
-    study_accept_one_number(&one_number, &r.seeds, log(274.0)); /* the r that explains their first column */
+    study_accept_one_number(&one_number, &r.seeds, log(274.0)); /* the r that fits their first column */
     printf("%u cells and %u misprints: %u exact, %u within 1 frame, %u within 2\n", r.cells, r.misprints, r.exact,
            r.within_1, r.within_2);
     printf("%u of %u cells of %u would never arrive, the others are late; %u cells are not those of exact arithmetic\n",
            r.stalled, r.unfinished, STUDY_LAST, r.rounded);
     printf("the table of the original study violates A2 in %lu cells, A3 in %lu, A5 in %lu\n", order.violations,
            equal.violations, one_number.violations);
-    /* what one fit of the constants gave, with room for another libm's expf and logf */
+    /* the results of the fitted constants, with a margin for another libm's expf and logf */
     int met = r.cells == 1277 && r.exact >= 1257 && r.within_1 >= 1275 && r.within_2 >= 1277;
     return s->options.check && !met ? EXIT_FAILED : EXIT_DONE;
 }
@@ -279,7 +279,7 @@ static int run(study *s)
     return s->options.out ? write_all(s) : 0;
 }
 
-/* `study look`: on standard output, complete or nothing. */
+/* `study look`: prints a complete output or nothing. */
 static int look(study *s)
 {
     const study_look how = {s->options.scene, 0.05, s->options.eye_cd_m2};
@@ -329,7 +329,7 @@ int study_main(int argc, char **argv)
     workers_close(s.team);
     study_images_free(&s.images);
     if (failed && s.made_folder)
-        rmdir(s.options.out); /* stays where it holds something */
+        rmdir(s.options.out); /* fails if the folder is not empty */
     if (failed && interrupt_came()) {
         fputs("pupil study: interrupted; complete outputs remain\n", stderr);
         return EXIT_INTERRUPTED;

@@ -21,7 +21,7 @@ void study_csv(FILE *out, const study_cells *cells)
                             (unsigned long long)cells->threshold[t], cells->frame[f][c][w][t]);
 }
 
-/* One line's place in the table; 0 where it has none. The first threshold depends on the frame's size. */
+/* One line's place in the table; 0: none. The first threshold depends on the frame's size. */
 static int place(const char *line, unsigned at[4], unsigned *frame)
 {
     static const unsigned threshold[] = {0, 600, 60, 0};

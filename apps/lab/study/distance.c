@@ -1,9 +1,9 @@
 /* How far a picture is from its target.
  *
- * The mapping is the one that pupil.h defines, here in double. The library's own, in binary32, is the same except for
- * samples that are on the border of two codes. There rounding makes the distance go back and forth by a sample or two
- * from one binary32 scale to the next. "The first frame with D <= 0" would be about that and not about the state. How
- * many samples differ is counted and shown with the tables.
+ * The mapping is the one that pupil.h defines, here in double. The library's own, in binary32, differs only in samples
+ * on the border of two codes. There rounding changes the distance by a sample or two, up and down, from one binary32
+ * scale to the next. "The first frame with D <= 0" would show that instead of the state. The number of differing
+ * samples is shown with the tables.
  */
 #include "study.h"
 
@@ -19,8 +19,8 @@ static double luminance(const float *v)
     return 0.2126 * (double)v[0] + 0.7152 * (double)v[1] + 0.0722 * (double)v[2];
 }
 
-/* Display light of a pixel at scale x: Reinhard's L / (1 + L), and what is beyond the gamut's knee as pupil_curve
- * defines it for no white point. */
+/* Display light of a pixel at scale x: Reinhard's L / (1 + L), and beyond the gamut's knee as pupil_curve defines it
+ * without a white point. */
 static void display(const float *v, double x, double gamut, double light[3])
 {
     double l = luminance(v);

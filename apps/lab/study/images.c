@@ -28,7 +28,7 @@ static double lit(vec lamp, vec p, vec n)
     return cosine > 0.0 ? cosine / square : 0.0;
 }
 
-/* What is seen at (x, y) in -1..1: a wall at z = 0, balls before it. */
+/* The surface at (x, y) in -1..1: a wall at z = 0, balls in front of it. */
 static void surface(double x, double y, vec *p, vec *n, double albedo[3])
 {
     static const struct {
@@ -105,7 +105,7 @@ void study_images_round(float *samples, size_t count)
         float v = fabsf(samples[i]) < 65504.0f ? samples[i] : copysignf(65504.0f, samples[i]);
         int exponent;
         frexpf(v, &exponent);
-        /* 11 bits below the leading one's place; subnormals of binary16 are multiples of 2^-24 */
+        /* 11 bits from the leading one; subnormals of binary16 are multiples of 2^-24 */
         int step = exponent - 11 > -24 ? exponent - 11 : -24;
         samples[i] = isnan(samples[i]) ? 0.0f : ldexpf(rintf(ldexpf(v, -step)), step);
     }
@@ -135,7 +135,7 @@ int study_lights_meter(study_lights *lights, const study_images *images, int shi
                                    .width = images->width,
                                    .height = images->height,
                                    .pixel = PUPIL_PIXEL_RGB32F};
-        pupil_exposure exposure = {0}; /* the level as the library takes it over, on its grid of 2^-40 stops */
+        pupil_exposure exposure = {0}; /* the level as the library stores it, on its grid of 2^-40 stops */
         pupil_stats_clear(&lights->stats[s]);
         error = error ? error : pupil_meter_rows(&pupil, &image, 0, images->height, &lights->stats[s]);
         error = error ? error : pupil_reset(&pupil);

@@ -1,8 +1,8 @@
-/* `pupil study look`: how the picture looks while a law adapts: what becomes of the colour of objects and of contrast
- * between frames, under the four formulas, the default law and the eye's. A lamp is switched on, and off.
+/* `pupil study look`: how the picture looks while a law adapts: how far the colour of objects and the contrast are off
+ * in each frame, under the four formulas, the default law and the eye's. A lamp is switched on, and off.
  *
- * The picture of each frame is compared with the one that an exposure which had arrived would show of the same light:
- * colour by the distance of a and b of Oklab, 100 times; contrast by the spread of its lightness L.
+ * The picture of each frame is compared with that of a settled exposure of the same light: colour by the distance of a
+ * and b of Oklab, times 100; contrast by the spread of Oklab's lightness L.
  */
 #include "study.h"
 
@@ -39,10 +39,10 @@ typedef struct looking {
     lab *target, *now;
 } looking;
 
-/* What one law does of one change of light. */
+/* The result of one law for one change of light. */
 typedef struct look_row {
-    double off_ev[TIMES]; /* of the level from the light's: positive is too dark */
-    double settled_s;     /* from then on within 0.05 stops; infinite: not in 10 minutes */
+    double off_ev[TIMES]; /* the level's distance from the light's: positive is too dark */
+    double settled_s;     /* within 0.05 stops from this time on; infinite: not in 10 minutes */
     double colour_mean, colour_most, contrast_mean, contrast_least, jump_most;
 } look_row;
 
@@ -65,7 +65,7 @@ static int begin(const looking *k, pupil_t *pupil, uint32_t law)
     config.law = law;
     config.frame_weight = k->options->weight;
     config.eye_unit_cd_m2 = k->options->unit_cd_m2;
-    config.flicker = 0; /* two lights are no mains */
+    config.flicker = 0; /* a lamp's switching is not mains flicker */
     return pupil_init(pupil, &config);
 }
 
@@ -115,7 +115,7 @@ static double colour_off(const looking *k)
     return sum / (double)k->pixels;
 }
 
-/* Frames whose picture is looked at: all of the first two seconds, then two a second. */
+/* Frames whose picture is compared: all of the first two seconds, then two a second. */
 static int is_looked_at(uint32_t frame)
 {
     return frame <= EVERY_FRAME_S * STUDY_FPS || (frame <= LOOKED_S * STUDY_FPS && frame % (STUDY_FPS / 2) == 0);
@@ -171,7 +171,7 @@ static int run_law(const looking *k, uint32_t law, int light, look_row *row)
     return error;
 }
 
-/* What is shown once an exposure has arrived: the default law's first frame. */
+/* The picture of a settled exposure: the default law's first frame. */
 static int find_target(const looking *k, int light)
 {
     pupil_t pupil;
@@ -248,7 +248,7 @@ static int look(looking *k, FILE *out, pupil_why *why)
 
 int study_look_at(const study_images *images, const study_look *options, FILE *out, pupil_why *why)
 {
-    static looking k; /* two statistics are large for a stack */
+    static looking k; /* two statistics are too large for a stack */
     int failed;
     k = (looking){.images = images, .options = options, .pixels = (size_t)images->width * images->height};
     k.shown = malloc(k.pixels * 3 * sizeof *k.shown);

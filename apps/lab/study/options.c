@@ -84,7 +84,7 @@ const option_command study_command = {
     .groups = groups,
 };
 
-/* Takes the word look off the operands. */
+/* Removes the word `look` from the operands. */
 static int take_look(study_options *o, option_words *words, pupil_why *why)
 {
     o->look = words->count && strcmp(words->word[0], "look") == 0;

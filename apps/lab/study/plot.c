@@ -1,4 +1,4 @@
-/* How far the exposure is off over time: a panel a weight, a line a formula. */
+/* The exposure's error over time: a panel for each weight, a line for each formula. */
 #include "study.h"
 
 #include <math.h>
@@ -39,11 +39,11 @@ static void script(FILE *out, int is_png, const void *context)
         for (unsigned i = 0; i < 3; i++) {
             const double *u = d->result->states->u[line[i].formula][d->which_case][shown_weight[p]];
             fprintf(out, "$f%u << END\n", i);
-            const unsigned most = (unsigned)(to * STUDY_FPS), every = 1 + most / 250; /* as many as can be seen */
+            const unsigned most = (unsigned)(to * STUDY_FPS), every = 1 + most / 250; /* as many as are visible */
             for (unsigned frame = 0; frame < STUDY_FRAMES && frame <= most; frame++) {
                 if (frame % every && frame % STUDY_FPS > 8)
                     continue;
-                /* against the light that is on then: what a viewer has before the eyes */
+                /* relative to the light in that frame, which is what a viewer sees */
                 int lit = study_light_of(d->which_case, STUDY_FPS, frame), end = study_final(d->which_case);
                 double shift = d->result->lights->ev[lit] - d->result->lights->ev[end];
                 fprintf(out, "%.4f %.5f\n", frame / (double)STUDY_FPS, u[frame] / M_LN2 + shift);

@@ -1,4 +1,4 @@
-/* The state over time. It depends on the two log-averages alone, so that no picture is needed. */
+/* The state over time. It depends only on the two log-averages, so no picture is needed. */
 #include "study.h"
 
 #include <math.h>
@@ -53,7 +53,7 @@ int study_run_library(const study_lights *lights, const study_run *run, double *
 
 static const float key = 0.18f;
 
-/* What a formula averages, of a luminance. */
+/* The quantity that a formula averages, of a luminance. */
 static float averaged(unsigned formula, float luminance)
 {
     return formula == 0 || formula == 2 ? key / luminance : luminance;
@@ -83,8 +83,8 @@ void study_run_float32(const float luminance[3], const study_run *run, double *u
             state = average(formula, w, now, state);
         u[i] = (double)scale_of(formula, state);
     }
-    /* Taken from the float scale, against that of the last light itself: this reproduces its tables best. Against
-     * what the run of weight 1 ends with, expf(logf(x)) in formulas 3 and 4, 16 cells fewer are exact. */
+    /* From the float scales of the state and of the last light: this reproduces the original tables best. With the end
+     * of the run of weight 1 instead, expf(logf(x)) in formulas 3 and 4, 16 cells fewer are exact. */
     const double end = (double)scale_of(formula, averaged(formula, luminance[2]));
     for (uint32_t i = 0; i < run->frames; i++)
         u[i] = log(u[i] / end);
@@ -120,15 +120,14 @@ int study_states_make(study_states *states, const study_lights *lights, int floa
 
 /* --- the closed form --- */
 
-/* ln of the share of the way that is left when the last change comes: all of it, or what 30 frames went the other way.
- */
+/* ln of the share of the way that is left at the last change: all of it, or what 30 frames went the other way. */
 static double way(unsigned which_case, double lambda)
 {
     return which_case < 2 ? 0.0 : log(-expm1(-(double)STUDY_FPS * lambda));
 }
 
-/* Formulas 1 and 2 differ in which end of the light they creep toward: the arithmetic average of what falls by r
- * arrives late, that of what rises early. */
+/* Formulas 1 and 2 differ in the end of the light that they approach slowly: the arithmetic average arrives late at a
+ * value that falls by r, early at one that rises. */
 static int falls(unsigned formula, unsigned which_case)
 {
     return (formula == 0) == study_final(which_case);

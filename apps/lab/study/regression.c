@@ -1,6 +1,6 @@
 /* The tables of the original study, from numbers alone: its recursions in binary32, their two log-averages, and how
- * near the state must come. No picture is needed. The constants are fitted to those tables (docs/study.md); what they
- * show is that rounding, and nothing else, made every one of the cells. */
+ * near the state must come. The constants are fitted to those tables (docs/study.md). They show that every cell follows
+ * from rounding alone. */
 #include "study.h"
 
 #include <math.h>
@@ -9,12 +9,12 @@
 
 #define L_ON  48.29369f
 #define L_OFF 0.176258f
-/* Before its first lighting the lamp's sphere was dark too: a darker room by this much, in ln. */
+/* Before the lamp was first lit its sphere was dark, too, so the room was darker by this, in ln. */
 #define UNLIT_LN (-0.0345)
 /* In case 4 of formulas 2 to 4 the lit room was brighter by this share. */
 #define CASE_4_SHARE 4.66e-6
 
-/* The r that explains the first column by the closed form. */
+/* The r with which the closed form fits the first column. */
 #define LN_R log(274.0)
 
 /* u* by final light (off, on) and threshold. */
@@ -22,7 +22,7 @@ static const double u_star[2][STUDY_THRESHOLDS] = {{8.764e-3, 1.909e-5, 8.93e-6,
                                                    {8.793e-3, 2.810e-5, 1.148e-5, 9.22e-6}};
 static const double u_star_case_4[STUDY_THRESHOLDS] = {8.793e-3, 3.270e-5, 1.615e-5, 4.30e-6};
 
-/* Misprinted cells of the original study: what is printed, and what the neighbours say it should be. */
+/* Misprinted cells of the original study: the printed number, and the right one according to the neighbours. */
 static const struct {
     unsigned formula, which_case, weight, threshold;
     uint16_t printed, meant;
@@ -44,7 +44,7 @@ static void luminances(unsigned formula, unsigned which_case, float luminance[3]
     }
 }
 
-/* Enough for the slowest weight to come to its end, where it stays: binary32 has 24 bits. */
+/* Enough frames for the slowest weight to stall: binary32 has 24 bits. */
 #define ENDLESS 20000u
 
 static uint32_t first_within(const double *u, uint32_t from, double most)

@@ -1,4 +1,5 @@
-/* The two states of light of a recipe: one render a lamp, summed as its frames are, without its sensor. */
+/* The two states of light of a recipe: one render for each lamp, summed as for the recipe's frames, without its
+ * sensor. */
 #include "study.h"
 
 #include <stdlib.h>
@@ -17,7 +18,7 @@ static double level_sum(const fixture_scene *scene, size_t lights, uint64_t fram
     return sum;
 }
 
-/* The frames of the least and the most light; 0 where they are alike. */
+/* Finds the frames with the least and the most light; 0: they are equal. */
 static int find_states(const fixture_scene *scene, const fixture_scene_facts *facts, uint64_t state[2])
 {
     double least = level_sum(scene, facts->lights, 0), most = least;

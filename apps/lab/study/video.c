@@ -19,12 +19,12 @@ typedef struct video {
     uint8_t frame[HEIGHT][WIDTH][3];
     struct {
         pupil_t pupil;
-        float scale; /* what the tile shows now; a state that does not change is not mapped again */
+        float scale; /* of the shown tile; an unchanged state is not mapped again */
         int light;
     } tile[STUDY_WEIGHTS];
 } video;
 
-/* The mean over what of [0, size) falls on pixel i of n; at least one sample. */
+/* The part of [0, size) that falls on pixel i of n; at least one sample. */
 static void part(uint32_t i, uint32_t n, uint32_t size, uint32_t *from, uint32_t *to)
 {
     *from = (uint32_t)((uint64_t)i * size / n);
@@ -58,7 +58,7 @@ static int begin(video *v, const study_lights *lights, unsigned formula)
     int error = PUPIL_OK;
     pupil_config config = lights->config;
     config.law = PUPIL_LAW_ARITHMETIC_SCALE + formula;
-    config.transfer = PUPIL_TRANSFER_SRGB; /* what a video says it is */
+    config.transfer = PUPIL_TRANSFER_SRGB; /* as the video states */
     for (unsigned w = 0; w < STUDY_WEIGHTS; w++) {
         config.frame_weight = study_weights[w];
         v->tile[w].light = -1;
