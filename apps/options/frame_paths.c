@@ -166,7 +166,7 @@ int frame_options_check_paths(const frame_options *o, pupil_why *why)
                              paths[k]);
                 return OPTIONS_USAGE;
             }
-        int taken = o->veil && o->eye.psf == PUPIL_VEIL_GAUSSIANS && replaces(paths[i], 0, o->veil); /* the file of --veil */
+        int taken = o->veil && o->eye.psf == PUPIL_VEIL_GAUSSIANS && replaces(paths[i], 0, o->veil); /* --veil's file */
         for (size_t k = 0; k < o->input_count && !taken; k++)
             taken = replaces_named(paths[i], i < o->out_count || paths[i] == o->record, o->inputs[k]);
         if (taken) {

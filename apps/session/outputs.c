@@ -54,7 +54,7 @@ static int record_frame(session_outputs *o, const pupil_frame *frame, pupil_why 
     return pupil_recorder_write(o->recorder, frame, why);
 }
 
-/* A frame is shown for at most this long; a camera's longer absence is cut out. */
+/* A gap longer than this, while a camera was away, is left out. */
 #define LIVE_GAP_S 2.0
 
 /* Sound has the frames' pace; --hold changes it. */
