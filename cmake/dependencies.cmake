@@ -1,5 +1,5 @@
-# What the drivers and the program link. The library itself needs nothing. pupil_dep_MEDIA and pupil_dep_GPU are empty
-# where their option is OFF.
+# The libraries that the drivers and the program link. The library itself needs none. pupil_dep_MEDIA and pupil_dep_GPU
+# are empty if their option is OFF.
 # pupil_needs(OPTION NAME PACKAGE MODULES...): the option's target links the modules.
 function(pupil_needs option name package)
   find_package(PkgConfig REQUIRED)
@@ -12,7 +12,7 @@ function(pupil_needs option name package)
   target_link_libraries(pupil_dep_${option} INTERFACE PkgConfig::PUPIL_PC_${name})
 endfunction()
 
-# The headers of OpenGL ES; nothing of it is linked: functions are looked up at run time.
+# The headers of OpenGL ES; its functions are not linked, but looked up at run time.
 include(CheckIncludeFile)
 if(PUPIL_GPU)
   check_include_file(GLES3/gl31.h PUPIL_HAS_GL31_H)
@@ -30,8 +30,8 @@ if(PUPIL_V4L2 AND PUPIL_PROGRAM)
   endif()
 endif()
 
-# C++ is for libcamera, and for tests and benchmarks with OpenCV. PUPIL_CXX: there is a compiler. Objects of one program
-# come from one family of compilers where they are instrumented.
+# C++ is for libcamera, and for tests and benchmarks with OpenCV. PUPIL_CXX: there is a compiler. Instrumented
+# objects of one program must come from one family of compilers.
 set(PUPIL_CXX OFF)
 if(PUPIL_PROGRAM)
   include(CheckLanguage)
@@ -44,7 +44,7 @@ if(PUPIL_PROGRAM)
   endif()
 endif()
 
-# libcamera: pupil_dep_LIBCAMERA exists where it can be built. Without it configuring goes on, and a stub says so.
+# libcamera: pupil_dep_LIBCAMERA exists if it can be built. Without it configuring continues, and a stub says so.
 if(PUPIL_PROGRAM AND PUPIL_LIBCAMERA AND PUPIL_V4L2)
   find_package(PkgConfig QUIET)
   if(PkgConfig_FOUND)
@@ -62,7 +62,7 @@ endif()
 if(PUPIL_PROGRAM)
   add_library(pupil_dep_MEDIA INTERFACE)
   if(PUPIL_MEDIA)
-    # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has the C core alone.
+    # OpenEXR's pkg-config file names its C++ libraries too; its CMake package has only the C core.
     find_package(OpenEXR 3.1 CONFIG QUIET)
     if(NOT TARGET OpenEXR::OpenEXRCore)
       message(FATAL_ERROR "PUPIL_MEDIA=ON, but CMake does not find OpenEXR 3.1 with its C core. "
@@ -73,7 +73,7 @@ if(PUPIL_PROGRAM)
     pupil_needs(MEDIA LIBAV "libavformat-dev libavcodec-dev libavutil-dev"
       libavformat>=59 libavcodec>=59 libavutil>=57)
     pupil_needs(MEDIA CJSON libcjson-dev libcjson)
-    # LibRaw: pupil_dep_LIBRAW exists where it is installed. Without it a stub says so.
+    # LibRaw: pupil_dep_LIBRAW exists if it is installed. Without it a stub says so.
     find_package(PkgConfig REQUIRED) # in this scope, too
     pkg_check_modules(PUPIL_PC_LIBRAW IMPORTED_TARGET QUIET libraw_r)
     if(PUPIL_PC_LIBRAW_FOUND)
@@ -90,12 +90,12 @@ if(PUPIL_PROGRAM)
   endif()
   set(THREADS_PREFER_PTHREAD_FLAG ON)
   find_package(Threads REQUIRED)
-  # Not everything in the C library's mathematics is in the C library's own file.
+  # Some of the C library's mathematics may be in a separate libm.
   find_library(PUPIL_LIBM m)
   mark_as_advanced(PUPIL_LIBM)
 endif()
 
-# The plugin is left out, and says so, where GStreamer is not installed. 1.20 has custom metas.
+# The plugin is left out, with a message, if GStreamer is not installed. 1.20 has custom metas.
 if(PUPIL_PROGRAM AND PUPIL_GSTREAMER)
   set(modules gstreamer-1.0>=1.20 gstreamer-video-1.0>=1.20 gstreamer-base-1.0>=1.20)
   find_package(PkgConfig QUIET)
@@ -111,7 +111,7 @@ if(PUPIL_PROGRAM AND PUPIL_GSTREAMER)
   endif()
 endif()
 
-# What pupil/opencv.hpp is tested with; the header itself needs nothing here.
+# For the tests of pupil/opencv.hpp; the header itself needs none of this.
 if(PUPIL_PROGRAM AND PUPIL_TESTS AND NOT CMAKE_CROSSCOMPILING)
   if(PUPIL_CXX)
     find_package(OpenCV 4 QUIET COMPONENTS core imgproc photo imgcodecs videoio)
@@ -124,7 +124,7 @@ if(PUPIL_PROGRAM AND PUPIL_TESTS AND NOT CMAKE_CROSSCOMPILING)
   endif()
 endif()
 
-# What the benchmark stands beside: pupil_peer_NAME exists where it is found.
+# The benchmark's peers: pupil_peer_NAME exists if it is found.
 if(PUPIL_PROGRAM AND PUPIL_LAB AND PUPIL_BENCH_PEERS)
   find_package(PkgConfig REQUIRED)
   pkg_check_modules(PUPIL_PEER_FFMPEG IMPORTED_TARGET QUIET libavfilter>=8 libavutil>=57)

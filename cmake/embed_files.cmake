@@ -1,5 +1,6 @@
-# cmake -DHEADER=... -DFILES=a;b -P embed_files.cmake: what pupil_embed runs. One literal a line, so that no compiler's
-# limit of a line is met; that of a literal, 4095 characters, is one of the files: -Woverlength-strings shows it.
+# cmake -DHEADER=... -DFILES=a;b -P embed_files.cmake: run by pupil_embed. Each line is a literal, so that no
+# compiler's limit for a line is met. The limit for a literal, 4095 characters, holds for a file:
+# -Woverlength-strings shows it.
 set(all "/* Made from the shaders by cmake/embed_files.cmake. */\n")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)

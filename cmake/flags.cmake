@@ -5,8 +5,8 @@
 # not vectorise a comparison). No code may be compiled as if NaN did not exist.
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math)
 
-# Float operations must round to float (FLT_EVAL_METHOD 0). On x86 of 32 bits that takes SSE2, on s390x leaving a rule
-# of older ABIs alone. lib/base/exact.h refuses what is left.
+# Float operations must round to float (FLT_EVAL_METHOD 0). On 32-bit x86 that needs SSE2, on s390x ignoring a rule of
+# older ABIs. lib/base/exact.h refuses other cases.
 include(CheckCSourceCompiles)
 function(pupil_check_floats result flags)
   set(CMAKE_C_EXTENSIONS OFF) # as the library is compiled: -std=c11
@@ -56,8 +56,8 @@ function(pupil_ships target)
   target_compile_options(${target} PRIVATE -Wconversion -Wno-sign-conversion -Wno-float-conversion)
 endfunction()
 
-# What reads files and devices (not lib, which calls nothing): guards on the stack, sizes checked in the C library's
-# functions, no table of functions that can be written. docs/reliability.md has the cost.
+# For code that reads files and devices (not lib, which calls nothing): stack protectors, size checks in the C library's
+# functions, read-only function tables. docs/reliability.md has the cost.
 include(CheckCCompilerFlag)
 set(pupil_hardening)
 if(PUPIL_HARDEN AND NOT PUPIL_SANITIZE)

@@ -11,7 +11,7 @@ install(TARGETS ${pupil_installed} EXPORT pupil
 file(GLOB pupil_opencv_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/drivers/include/pupil/*.hpp)
 install(FILES ${pupil_headers} ${pupil_opencv_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pupil)
 
-# Both files find the tree from where they lie, so that it can be moved.
+# Both files find the tree relative to their own place, so that it can be moved.
 cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} OUTPUT_VARIABLE libdir)
 cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_INCLUDEDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} OUTPUT_VARIABLE includedir)
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${libdir}/pkgconfig OUTPUT_VARIABLE pc_prefix)

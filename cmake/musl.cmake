@@ -1,5 +1,5 @@
-# The host's CPU with musl in place of glibc, through Debian's musl-gcc. What it makes is linked statically, so that it
-# runs on a machine without musl's loader.
+# The host's CPU with musl in place of glibc, through Debian's musl-gcc. Programs are linked statically, so that
+# they run on a machine without musl's loader.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR ${CMAKE_HOST_SYSTEM_PROCESSOR})
 set(CMAKE_C_COMPILER musl-gcc)

@@ -1,5 +1,5 @@
-# pupil_room(TARGET [OPTION]): adds the C files of the current folder to TARGET. Files named *_absent.c stand in for
-# all others where OPTION is OFF, and are left out where it is ON.
+# pupil_room(TARGET [OPTION]): adds the C files of the current folder to TARGET. Files named *_absent.c replace
+# all others if OPTION is OFF, and are left out if it is ON.
 function(pupil_room target)
   file(GLOB files CONFIGURE_DEPENDS *.c)
   file(GLOB stubs CONFIGURE_DEPENDS *_absent.c)
@@ -11,7 +11,7 @@ function(pupil_room target)
   target_sources(${target} PRIVATE ${files})
 endfunction()
 
-# pupil_choose(TARGET OPTION STUB FILES...): FILES where OPTION is ON, STUB where it is OFF.
+# pupil_choose(TARGET OPTION STUB FILES...): FILES if OPTION is ON, STUB if it is OFF.
 function(pupil_choose target option stub)
   if(${option})
     target_sources(${target} PRIVATE ${ARGN})

@@ -1,11 +1,11 @@
 #!/bin/sh
 # build-deb.sh [--here] [-a ARCHITECTURE] [FOLDER]: Debian packages of this tree, into FOLDER (build/deb/ARCHITECTURE), and
 # lintian's opinion of them in FOLDER/lintian.txt: any error or warning is a failure.
-#   -a ARCHITECTURE  this machine's, or another one (arm64, armhf), cross-built: its libraries are installed beside this
-#                    machine's
+#   -a ARCHITECTURE  this machine's, or another one (arm64, armhf), cross-built: its libraries are installed next to
+#                    this machine's
 #   --here           with what is installed here, in place of a clean Debian 12; without lintian
-# The clean Debian is a folder, build/deb/root-ARCHITECTURE (2 GB), with what builds need. mmdebstrap makes it where it is
-# absent or debian/control asks for other packages, which takes root, the network and some minutes.
+# The clean Debian is a folder, build/deb/root-ARCHITECTURE (2 GB), with what builds need. mmdebstrap makes it if it is
+# absent or debian/control asks for other packages, which needs root, the network and some minutes.
 # Builds leave nothing in it.
 # DEBIAN_SOURCE, if set, is a line of sources.list for it, instead of those of Debian's servers.
 # What git lists is built as it is in this folder, committed or not. CCACHE_DIR, if set, is used in the clean Debian, too.
@@ -63,7 +63,7 @@ cp -R "$tree/packaging/debian" "$work/build/pupil-$version/debian"
 what=
 [ "$architecture" = "$native" ] || what="-B -a$architecture"
 if [ -n "$here" ]; then
-    # Words, on purpose.
+    # Unquoted, to be split into words.
     (cd "$work/build/pupil-$version" && dpkg-buildpackage -us -uc ${what:--b}) >"$folder/build.log" 2>&1 || {
         tail -n 30 "$folder/build.log" | cut -c1-300 >&2
         echo "$0: the build failed; all of its output is in $folder/build.log" >&2

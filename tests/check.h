@@ -98,8 +98,8 @@ static inline double check_uniform(void) /* in [0, 1) */
 #define CHECK_SANITIZED 0
 #endif
 
-/* How many of a sweep's cases are walked: under the sanitizers, where each takes several times as long, a fifth. What
- * they find, a wrong access or a value that is none, few cases show as well as many; the figures are for all. */
+/* How many of a sweep's cases run: a fifth with the sanitizers, because each takes several times as long. A wrong
+ * access or an invalid value shows in few cases as well as in many. The figures are for all cases. */
 static inline int check_some(int cases)
 {
     return CHECK_SANITIZED ? (cases + 4) / 5 : cases;

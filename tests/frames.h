@@ -1,6 +1,5 @@
-/* tests/frames.h: frames to meter and map, the easy ones and the hard ones. Random numbers come from check.h, by way of
- * the function that the program hands over (a program has one stream of them).
- */
+/* tests/frames.h: frames to meter and map, the easy ones and the hard ones. Random numbers come from check.h, through a
+ * function that the program passes (a program has one stream of them). */
 #ifndef PUPIL_TESTS_FRAMES_H
 #define PUPIL_TESTS_FRAMES_H
 
@@ -12,9 +11,9 @@ typedef struct frame {
     pupil_image_const image;
     unsigned char *memory;        /* with 64 bytes of guard before and after */
     size_t bytes;                 /* of the memory, guards and all */
-    unsigned char *chroma_memory; /* of the second plane, the same; NULL: none */
+    unsigned char *chroma_memory; /* of the second plane, likewise; NULL: none */
     unsigned char *cr_memory;     /* of the third */
-    size_t chroma_bytes;          /* of each of both */
+    size_t chroma_bytes;          /* of each of these two */
 } frame;
 
 typedef double frame_random(void); /* in [0, 1) */
@@ -38,12 +37,12 @@ int frame_equal(const frame *a, const frame *b);
 /* 1 if nothing outside the pixels has changed since frame_make. */
 int frame_guards_intact(const frame *f);
 
-/* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. Of
- * Y'CbCr, grey and mosaics, which hold less than a colour at a pixel: something that goes up and down with it. */
+/* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. Y'CbCr,
+ * grey and mosaics, which hold less than a colour per pixel, get a value that rises and falls with it. */
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a);
 void frame_fill(frame *f, double r, double g, double b);
 
-/* The values one would see from a camera: log-normal luminance around `middle`, with colour. */
+/* Values as from a camera: log-normal luminance around `middle`, with colour. */
 void frame_lognormal(frame *f, double middle, double sigma_stops, frame_random *random);
 void frame_gradient(frame *f, double from, double to); /* geometric, along both sides */
 void frame_checker(frame *f, double a, double b);

@@ -1,18 +1,18 @@
-/* tests/reference.h: what the headers say, computed the slow way in long double, so that the library has something
- * independent to be compared with. Nothing here is shared with the library but its public headers. The program has its
- * own, faster reference for mapping (apps/report/verify.c); how pixels are read is written once for both.
+/* tests/reference.h: the headers' definitions, computed slowly in long double, as an independent reference for the
+ * library. It shares only the public headers with the library. The program has its own, faster reference for mapping
+ * (apps/report/verify.c); how pixels are read is written once for both.
  */
 #ifndef PUPIL_TESTS_REFERENCE_H
 #define PUPIL_TESTS_REFERENCE_H
 
 #include "pupil/pupil.h"
 
-#define REF_TOP 0x1p30L /* the most a luminance counts as, stats.h */
+#define REF_TOP 0x1p30L /* the largest value of a luminance, stats.h */
 
-/* apps/common/pixel_light.h, which is to the nearest double: linear light of one pixel, or of a mosaic's quad. */
+/* Linear light of one pixel, or of a mosaic's quad, from apps/common/pixel_light.h, so to the nearest double. */
 void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4]);
 
-/* light to that of config.output_primaries; config.h. 0: they are the input's. */
+/* Converts light to config.output_primaries; config.h. 0: they are the input's. */
 int ref_to_picture(const pupil_config *config, long double light[3]);
 
 /* Luminance weights, as real numbers and as the nearest binary32. */
@@ -61,8 +61,8 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
 /* Alpha as a code on the real line. */
 long double ref_alpha(const long double rgba[4]);
 
-/* Statistics of a frame of one pixel whose log2 luminance is the double nearest to ev below it on the 2^-40 grid;
- * returns that. */
+/* Statistics of a frame of one pixel whose log2 luminance is ev, rounded down to the 2^-40 grid; returns the rounded
+ * value. */
 double ref_stats_at(double ev, int histogram, pupil_stats *stats);
 
 /* Relative error of a log-average from its error in stops. */

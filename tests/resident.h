@@ -1,12 +1,12 @@
-/* tests/resident.h: what the process has in memory, for tests of growth. */
+/* tests/resident.h: the memory of the process, for tests of growth. */
 #ifndef PUPIL_TESTS_RESIDENT_H
 #define PUPIL_TESTS_RESIDENT_H
 
 #include <stdio.h>
 
-/* Heap, stacks and shared memory. Not counted: pages of files, which come in 64 KiB at a time as a function of a
-   library runs for the first time. From smaps_rollup, which counts pages; the totals of statm and status are sums of
-   per-processor counters since Linux 6.2 and lag behind. -1: the system does not say. */
+/* Heap, stacks and shared memory, without pages of files, of which 64 KiB are loaded whenever a library function first
+   runs. From smaps_rollup, which counts pages; the totals of statm and status are sums of per-processor counters since
+   Linux 6.2 and lag behind. -1: the system does not say. */
 static inline long resident_kib(void)
 {
     char line[256];

@@ -5,13 +5,13 @@ SECTION = "multimedia"
 LICENSE = "BSD-2-Clause"
 LIC_FILES_CHKSUM = "file://LICENSE;md5=52a9eff13ed63109c8ba5d1679498732"
 
-# the tree that this recipe is in; with a release: SRC_URI in its place
+# the tree that this recipe is in; with a release: SRC_URI instead
 inherit externalsrc
 EXTERNALSRC = "${THISDIR}/../.."
 
 inherit cmake pkgconfig systemd
 
-# The kernels are vectors at -O3, which CMake's build type Release brings for their files.
+# The kernels are vectorised at -O3, which CMake's build type Release sets for their files.
 EXTRA_OECMAKE = "-DCMAKE_BUILD_TYPE=Release -DPUPIL_PYTHON=OFF"
 
 PACKAGECONFIG ??= "program"

@@ -14,7 +14,7 @@ PUPIL_LICENSE_FILES = LICENSE
 PUPIL_INSTALL_STAGING = YES
 PUPIL_SUPPORTS_IN_SOURCE_BUILD = NO
 
-# The kernels are vectors at -O3, which CMake's build type Release brings for their files.
+# The kernels are vectorised at -O3, which CMake's build type Release sets for their files.
 PUPIL_CONF_OPTS = \
 	-DCMAKE_BUILD_TYPE=Release \
 	-DPUPIL_PYTHON=OFF \
