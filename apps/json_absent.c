@@ -1,4 +1,4 @@
-/* apps/json_absent.c: replaces stats_json.c, list_json.c and probe_json.c in a build without cJSON. */
+/* apps/json_absent.c: replaces stats_json.c, list_json.c and probe/json.c in a build without cJSON. */
 #include <stdlib.h>
 
 #include "file/sink/sink_common.h"

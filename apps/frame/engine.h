@@ -1,5 +1,5 @@
-/* apps/frame/engine.h: the interface of what processes a frame's pixels: the CPU's threads (cpu_engine.h) or the GPU
- * (gles_engine.h). The pipeline (pipeline.h) decides what is done when, and by which curve. */
+/* apps/frame/engine.h: the interface of the engines that process a frame's pixels: the CPU's threads (cpu_engine.h) or
+ * the GPU (gles_engine.h). The pipeline (pipeline.h) decides what is done when, and by which curve. */
 #ifndef PUPIL_APPS_FRAME_ENGINE_H
 #define PUPIL_APPS_FRAME_ENGINE_H
 

@@ -84,7 +84,7 @@ GLuint gl_calls_program(const gl_calls *gl, const char *vertex, const char *frag
 /* The name of a software renderer; NULL: it is a GPU, or unknown. */
 const char *gl_calls_software(const gl_calls *gl);
 
-/* Sets the state that pupil_gles and the program's own drawing change to what drawing into a framebuffer needs. */
+/* Sets the state for drawing into a framebuffer: all of it that pupil_gles and the program's own drawing change. */
 void gl_calls_begin(const gl_calls *gl, GLuint framebuffer, GLsizei width, GLsizei height);
 
 #endif

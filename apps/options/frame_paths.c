@@ -136,7 +136,7 @@ static int is_inside(const char *path, const char *folder)
     return inside;
 }
 
-/* Refuses existing files; who writes a folder looks into it. */
+/* Refuses existing files; existing folders are checked when they are written. */
 static int check_kept(const frame_options *o, pupil_why *why)
 {
     for (size_t i = 0; i < o->out_count + 2 && !o->overwrite; i++) {

@@ -128,7 +128,7 @@ typedef struct option_near {
 void option_near_begin(option_near *near, const char *given);
 void option_near_try(option_near *near, const char *name);
 
-/* For a name that no option has: what has the effect that it promises, as a clause; NULL. */
+/* What pupil has instead of an option of this name, as a clause; NULL. */
 const char *option_sought(const char *name);
 
 /* The row and the base of a command's n-th option; NULL after the last, which is --help. */
@@ -144,7 +144,7 @@ void option_right(const option_row *row, char *text, size_t bytes);
 void options_help(const option_command *command, FILE *out);
 void options_manual(const option_command *const *commands, FILE *out);
 
-/* The completion script for bash; and what it asks for: all that can replace the last of the words, a line each. */
+/* The completion script for bash; and, for the script, all possible last words, a line each. */
 void options_completion(FILE *out);
 void options_complete(const option_command *const *commands, int count, char **words, FILE *out);
 

@@ -23,7 +23,7 @@ void plot_series(FILE *out, const frame_log_entry *records, size_t count, const 
 /* Writes lines "time low high": of each stretch the lowest low and the highest high. */
 void plot_band(FILE *out, const frame_log_entry *records, size_t count, const plot_value *low, const plot_value *high);
 
-/* The range of the finite values; left as it is where there is none. */
+/* The range of the finite values; unchanged if there are none. */
 void plot_range(const frame_log_entry *records, size_t count, const plot_value *value, double *low, double *high);
 
 #endif

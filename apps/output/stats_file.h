@@ -16,7 +16,7 @@ typedef struct pupil_stats_file pupil_stats_file;
 /* Whether the name has a known ending: 0, or -1 and a sentence. Nothing is opened. */
 int pupil_stats_file_check(const char *path, pupil_why *why);
 
-/* A file that is there is refused, unless overwrite. 0, or -1 and a sentence that names the path. */
+/* An existing file is refused, unless overwrite. 0, or -1 and a sentence that names the path. */
 int pupil_stats_file_open(pupil_stats_file **file, const char *path, int overwrite, pupil_why *why);
 int pupil_stats_file_write(pupil_stats_file *file, const frame_log_entry *record, pupil_why *why);
 

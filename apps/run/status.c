@@ -22,7 +22,7 @@ void run_status_begin(run_status *s, session *of, uint32_t mode, int resumes)
                 resumes ? ", from the exposure of its last run" : "");
 }
 
-/* Day or night, where it has changed. */
+/* Says day or night, if it has changed. */
 static void say_day_night(run_status *s, const frame_log_entry *r)
 {
     if (!r->day_night || !*r->day_night || strcmp(r->day_night, "unknown") == 0 ||

@@ -224,7 +224,7 @@ int split_options_check_paths(const split_options *o, pupil_why *why)
     int failed = o->curves ? frame_options_check_paths(&paths, why) : OPTIONS_RUN;
     if (o->out && strcmp(o->out, "-") == 0)
         return pupil_refuse(why, "-o -: a part and curves are files, not standard output; name one");
-    paths.overwrite = 1; /* existing files are checked by who writes them */
+    paths.overwrite = 1; /* existing files are checked when they are written */
     if (o->out)
         paths.out[paths.out_count++] = o->out;
     if (o->words) {

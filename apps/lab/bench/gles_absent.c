@@ -1,4 +1,4 @@
-/* apps/lab/bench/gles_absent.c: replaces bench_gles*.c in a build without OpenGL ES. */
+/* apps/lab/bench/gles_absent.c: replaces gles*.c in a build without OpenGL ES. */
 #include <stdio.h>
 
 #include "bench.h"

@@ -43,8 +43,8 @@ typedef struct bench_gles_subject {
     int error; /* the first error of a library call */
 } bench_gles_subject;
 
-/* The easy frame of a format (bench_frames.h) in the current context. 0, or -1 and a sentence. Closing takes what a
- * failed opening left. */
+/* The easy frame of a format (frames.h) in the current context. 0, or -1 and a sentence. Closing takes what a failed
+ * opening left. */
 int bench_gles_open(bench_gles_subject *s, const gl_calls *gl, pupil_gles_get_proc get_proc, uint32_t version,
                     uint32_t pixel, uint32_t width, uint32_t height, pupil_why *why);
 void bench_gles_close(bench_gles_subject *s);

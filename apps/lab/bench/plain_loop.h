@@ -1,4 +1,4 @@
-/* apps/lab/bench/plain_loop.h: the loop of bench_plain.h, for the two sources that include it. */
+/* apps/lab/bench/plain_loop.h: the loop of plain.h, for the two sources that include it. */
 #include "plain.h"
 
 #include <math.h>

@@ -29,14 +29,14 @@
 
 extern const double study_weights[STUDY_WEIGHTS];
 
-/* --- study_images.c: the scene in its two states of light --- */
+/* --- images.c: the scene in its two states of light --- */
 
 typedef struct study_images {
     uint32_t width, height;
     float *state[2]; /* off, on: linear RGB, tightly packed, of half precision (study_images_round) */
 } study_images;
 
-/* study_scene.c. The scene of a name: "spheres", two lamps over spheres shaded by a formula, or a recipe of the scene
+/* scene.c. The scene of a name: "spheres", two lamps over spheres shaded by a formula, or a recipe of the scene
  * renderer, whose darkest and brightest frames are the two states; 600x600 unless given otherwise. 0, or -1 and a
  * sentence. Unless it is NULL, `stop` is asked now and then whether to give up. */
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
@@ -61,7 +61,7 @@ typedef struct study_lights {
 
 int study_lights_meter(study_lights *lights, const study_images *images, int shift);
 
-/* --- study_recursion.c: the state over time --- */
+/* --- recursion.c: the state over time --- */
 
 /* Cases 0..3 (1..4 in tables): on at 1 s; off at 1 s; on at 1 s and off at 2 s; off at 1 s and on at 2 s. */
 int study_light_of(unsigned which_case, unsigned fps, uint32_t frame); /* 0 off, 1 on */
@@ -98,7 +98,7 @@ int study_states_make(study_states *states, const study_lights *lights, int floa
 double study_closed_u(unsigned formula, unsigned which_case, double weight, double ln_r, double n);
 double study_closed_n(unsigned formula, unsigned which_case, double weight, double ln_r, double u_star);
 
-/* --- study_distance.c: how far a picture is from its target --- */
+/* --- distance.c: how far a picture is from its target --- */
 
 typedef struct study_target {
     size_t pixels;
@@ -121,7 +121,7 @@ uint64_t study_distance(study_target *target, double u, uint64_t limit);
 int study_distance_library(const study_target *target, const study_images *images, const study_lights *lights,
                            int light, uint64_t *differ, unsigned *largest);
 
-/* --- study_cells.c: the tables --- */
+/* --- cells.c: the tables --- */
 
 typedef struct study_cells {
     uint32_t width, height;
@@ -137,7 +137,7 @@ typedef int study_progress(void *context, unsigned done, unsigned total);
 int study_cells_make(study_cells *cells, const study_images *images, study_target targets[2],
                      const study_states *states, workers *team, study_progress *progress, void *context);
 
-/* --- study_accept.c, study_accept_states.c: A1 to A11 --- */
+/* --- accept.c, accept_states.c: A1 to A11 --- */
 
 typedef struct study_test {
     const char *name, *text;
@@ -161,7 +161,7 @@ int study_accept_states(study_test tests[STUDY_TESTS], const study_cells *cells,
 /* A10: the tables again from light times 2^shift. */
 void study_accept_scaled(study_test *test, const study_cells *cells, const study_cells *scaled);
 
-/* --- study_regression.c: the original study's own tables again, from numbers alone --- */
+/* --- regression.c: the original study's own tables again, from numbers alone --- */
 
 typedef struct study_regression {
     unsigned cells, exact, within_1, within_2; /* of `cells`, misprints left out */
@@ -185,7 +185,7 @@ typedef struct study_look {
 /* Tables of the four formulas, the default law and the eye's, as Markdown. 0, or -1 and a sentence. */
 int study_look_at(const study_images *images, const study_look *look, FILE *out, pupil_why *why);
 
-/* --- study_tables.c, study_plot.c, study_video.c: what is written --- */
+/* --- tables.c, plot.c, video.c: what is written --- */
 
 typedef struct study_result {
     const char *scene, *command;
@@ -198,7 +198,7 @@ typedef struct study_result {
     unsigned library_largest;
 } study_result;
 
-/* study_csv.c */
+/* csv.c */
 int study_csv_read(study_cells *cells, const char *path, pupil_why *why); /* only the frames */
 void study_csv(FILE *out, const study_cells *cells);
 void study_markdown(FILE *out, const study_result *result);
