@@ -36,7 +36,7 @@ typedef struct study_images {
     float *state[2]; /* off, on: linear RGB, tightly packed, of half precision (study_images_round) */
 } study_images;
 
-/* scene.c. The scene of a name: "spheres", two lamps over spheres shaded by a formula, or a recipe of the scene
+/* scene.c. The scene of a name: "spheres", two lamps over shaded spheres, computed by formula, or a recipe of the scene
  * renderer, whose darkest and brightest frames are the two states; 600x600 unless given otherwise. 0, or -1 and a
  * sentence. Unless it is NULL, `stop` is asked now and then whether to give up. */
 int study_images_open(study_images *images, const char *scene, uint32_t width, uint32_t height, unsigned threads,
