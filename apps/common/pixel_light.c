@@ -31,8 +31,8 @@ static unsigned sample_at(const pupil_image_const *image, uint32_t x, uint32_t y
     case PUPIL_PIXEL_BAYER8:
         return row[x];
     case PUPIL_PIXEL_GREY10P:
-    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each pixel, the first
-                                * pixel's lowest */
+    case PUPIL_PIXEL_BAYER10P: /* MIPI CSI-2 RAW10: the fifth byte has the lowest two bits of each pixel, from the first
+                                * up */
         group = row + x / 4 * 5;
         return (unsigned)group[x % 4] << 2 | (group[4] >> 2 * (x % 4) & 3u);
     case PUPIL_PIXEL_GREY12P:
