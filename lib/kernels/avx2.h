@@ -274,6 +274,28 @@ INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
 #undef HIGH
 }
 
+/* The same of 16 pixels in YUYV (luma_at 0) or UYVY (1). */
+INLINE void v_of_packed(const uint8_t *p, int32_t luma_at, floats y[2], floats u[2], floats v[2])
+{
+#define LOW(k)  (int32_t)(0x80808000u | (k))
+#define HIGH(k) (int32_t)((uint32_t)(k) << 24 | 0x808080u)
+    const __m256i luma =
+        _mm256_add_epi32(_mm256_setr_epi32(LOW(0), LOW(2), LOW(4), LOW(6), LOW(8), LOW(10), LOW(12), LOW(14)),
+                         _mm256_set1_epi32(luma_at));
+    const __m256i first =
+        _mm256_sub_epi32(_mm256_setr_epi32(HIGH(1), HIGH(1), HIGH(5), HIGH(5), HIGH(9), HIGH(9), HIGH(13), HIGH(13)),
+                         _mm256_set1_epi32(luma_at << 24));
+    const __m256i second = _mm256_add_epi32(first, _mm256_set1_epi32(2 << 24));
+    for (int k = 0; k < 2; k++) {
+        const __m256i all = sixteen_twice(p + 16 * k), chroma = _mm256_xor_si256(all, _mm256_set1_epi8(-128));
+        y[k] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, luma));
+        u[k] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(chroma, first));
+        v[k] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(chroma, second));
+    }
+#undef LOW
+#undef HIGH
+}
+
 /* --- load WIDTH pixels; *a is alpha --- */
 
 INLINE __m256 two_of_ps(const float *low, const float *high)

@@ -262,6 +262,19 @@ INLINE void v_of_chroma(const uint8_t *p, floats u[1], floats v[1])
     v[0] = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_shuffle_epi8(pairs, twice_v)));
 }
 
+/* The same of 16 pixels in YUYV (luma_at 0) or UYVY (1). */
+INLINE void v_of_packed(const uint8_t *p, int32_t luma_at, floats y[1], floats u[1], floats v[1])
+{
+    const __m512i both = _mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)(const void *)p));
+    const __m512i byte = _mm512_set1_epi32(0xff);
+    const __m512i luma = _mm512_and_si512(_mm512_srl_epi32(both, _mm_cvtsi32_si128(8 * luma_at)), byte);
+    const __m512i chroma = _mm512_and_si512(_mm512_srl_epi32(both, _mm_cvtsi32_si128(8 - 8 * luma_at)), byte);
+    const floats u_and_v = _mm512_cvtepi32_ps(_mm512_sub_epi32(chroma, _mm512_set1_epi32(128)));
+    y[0] = _mm512_cvtepi32_ps(luma);
+    u[0] = _mm512_shuffle_ps(u_and_v, u_and_v, 0xa0); /* lanes 0, 0, 2, 2 */
+    v[0] = _mm512_shuffle_ps(u_and_v, u_and_v, 0xf5); /* lanes 1, 1, 3, 3 */
+}
+
 /* --- load 16 pixels; *a is alpha, or whether it is opaque --- */
 
 /* Every fourth float of 32, from the first and from the second (or the third and the fourth). */

@@ -185,20 +185,33 @@ static void single_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t 
     codes_to_light(c, b, n);
 }
 
-static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
-                     pupil_planes *p)
+/* Whether its table of light goes beyond the codes 0 and 255. */
+static inline int has_light_beyond(const pupil_coder *c)
 {
-    uint32_t done = 0;
-#if defined(LEVEL_HAS_GROUPS_OF_YUV_BEYOND)
-    if (!odd && c->light && c->top == 255.0f) /* its table goes beyond 0 and 255 */
-        done = groups_of_yuv_beyond(c, luma, chroma, n, p);
-#endif
+    return c->light && c->top == 255.0f;
+}
+
+/* Pixels from `done` on. */
+static void load_rest_of_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd,
+                             uint32_t done, uint32_t n, pupil_planes *p)
+{
 #if defined(WIDTH)
     if (!odd && c->light && !done)
         done = groups_of_yuv(c, luma, chroma, n, p);
 #endif
     if (done < n)
         single_yuv(c, luma + done, chroma + done, odd, n - done, p->r + done, p->g + done, p->b + done);
+}
+
+static void load_yuv(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t odd, uint32_t n,
+                     pupil_planes *p)
+{
+    uint32_t done = 0;
+#if defined(LEVEL_HAS_GROUPS_OF_YUV_BEYOND)
+    if (!odd && has_light_beyond(c))
+        done = groups_of_yuv_beyond(c, luma, chroma, n, p);
+#endif
+    load_rest_of_yuv(c, luma, chroma, odd, done, n, p);
 }
 
 static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
@@ -242,11 +255,17 @@ static inline void load_packed_yuv(const pupil_coder *coder, const pupil_row *ro
     uint8_t luma[PUPIL_BLOCK + 2], chroma[PUPIL_BLOCK + 2];
     const uint32_t odd = x % 2, all = (n + odd + 1) / 2 * 2;
     const uint8_t *restrict s = row->data + 2 * (size_t)(x - odd);
-    for (uint32_t i = 0; i < all; i++) {
+    uint32_t done = 0;
+#if defined(LEVEL_HAS_GROUPS_OF_YUV_BEYOND)
+    if (!odd && has_light_beyond(coder))
+        done = groups_of_packed_yuv(coder, s, luma_at, n, planes);
+#endif
+    for (uint32_t i = done; i < all; i++) {
         luma[i] = s[2 * i + luma_at];
         chroma[i] = s[2 * i + 1 - luma_at];
     }
-    load_yuv(coder, luma + odd, chroma, odd, n, planes);
+    if (done < n)
+        load_rest_of_yuv(coder, luma + odd, chroma, odd, done, n, planes);
 }
 
 static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)

@@ -55,14 +55,30 @@ INLINE void look_up_parts(const float *light, const int32_t *index, float *rest)
     }
 }
 
+/* Samples of a row: luma, and pairs of Cb and Cr; or all of them in `luma`, packed as YUYV or UYVY. */
+typedef struct yuv_row {
+    const uint8_t *luma, *chroma;
+    int packed;
+    int32_t luma_at; /* of v_of_packed */
+} yuv_row;
+
+INLINE void load_yuv_samples(const yuv_row *row, size_t i, floats y[WAYS], floats u[WAYS], floats v[WAYS])
+{
+    if (row->packed) {
+        v_of_packed(row->luma + 2 * i, row->luma_at, y, u, v);
+    } else {
+        v_of_bytes(row->luma + i, y);
+        v_of_chroma(row->chroma + i, u, v);
+    }
+}
+
 /* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the group at i (`begin`). */
-INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t *chroma, size_t i, int begin, int end,
+INLINE void step_of_yuv(const yuv_factors *f, const yuv_row *row, size_t i, int begin, int end,
                         int32_t index[3][PUPIL_LANES], pupil_planes *p)
 {
     floats y[WAYS], u[WAYS], v[WAYS];
     if (begin) {
-        v_of_bytes(luma + i, y);
-        v_of_chroma(chroma + i, u, v);
+        load_yuv_samples(row, i, y, u, v);
         FOR_EACH_WAY(k) y[k] = v_mul(v_sub(y[k], f->y_zero), f->y_unit);
     }
     if (end)
@@ -93,8 +109,7 @@ INLINE void step_of_yuv(const yuv_factors *f, const uint8_t *luma, const uint8_t
 }
 
 /* Whole groups of 16 pixels; returns the first pixel that is left. */
-static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
-                                     pupil_planes *p)
+INLINE uint32_t groups_of_row(const pupil_coder *c, const yuv_row *row, uint32_t n, pupil_planes *p)
 {
     const yuv_factors f = yuv_factors_of(c);
     const size_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
@@ -102,17 +117,31 @@ static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, 
     size_t i = 0;
 #define OF_GROUP index[i / PUPIL_LANES % 2]
     for (; i < first; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 1, 0, OF_GROUP, p);
+        step_of_yuv(&f, row, i, 1, 0, OF_GROUP, p);
     for (; i + YUV_BEHIND <= whole; i += YUV_BEHIND) {
-        step_of_yuv(&f, luma, chroma, i, 1, 1, index[0], p);
-        step_of_yuv(&f, luma, chroma, i + PUPIL_LANES, 1, 1, index[1], p);
+        step_of_yuv(&f, row, i, 1, 1, index[0], p);
+        step_of_yuv(&f, row, i + PUPIL_LANES, 1, 1, index[1], p);
     }
     for (; i < whole; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 1, 1, OF_GROUP, p);
+        step_of_yuv(&f, row, i, 1, 1, OF_GROUP, p);
     for (i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
-        step_of_yuv(&f, luma, chroma, i, 0, 1, OF_GROUP, p);
+        step_of_yuv(&f, row, i, 0, 1, OF_GROUP, p);
 #undef OF_GROUP
     return (uint32_t)whole;
+}
+
+static uint32_t groups_of_yuv_beyond(const pupil_coder *c, const uint8_t *luma, const uint8_t *chroma, uint32_t n,
+                                     pupil_planes *p)
+{
+    const yuv_row row = {.luma = luma, .chroma = chroma};
+    return groups_of_row(c, &row, n, p);
+}
+
+static uint32_t groups_of_packed_yuv(const pupil_coder *c, const uint8_t *source, uint32_t luma_at, uint32_t n,
+                                     pupil_planes *p)
+{
+    const yuv_row row = {.luma = source, .packed = 1, .luma_at = (int32_t)luma_at};
+    return groups_of_row(c, &row, n, p);
 }
 
 #endif
