@@ -1,9 +1,9 @@
-// The browser's camera, or a video file, as frames: planes as the camera sends them where the browser gives these
-// (VideoFrame), else 8-bit RGB from a canvas.
+// Frames of the browser's camera or of a video file: the original planes if the browser has them (VideoFrame), else
+// 8-bit RGB from a canvas.
 
 const MATRIX_BY_NAME = { smpte170m: MATRIX.BT601, bt470bg: MATRIX.BT601, bt709: MATRIX.BT709, "bt2020-ncl": MATRIX.BT2020 };
 
-// A video's element lets go of its file or its camera.
+// Releases the file or the camera of a video element.
 function release(video) {
     video.onerror = null;
     video.srcObject?.getTracks().forEach((track) => track.stop());
@@ -22,8 +22,8 @@ class VideoFrames {
         this.running = false;
     }
 
-    // take(read, timestampNs) for each frame; read(core) makes room for it and fills it in, and returns its coding.
-    // first: the metadata of a frame that is there already.
+    // Calls take(read, timestampNs) for each frame; read(core) allocates and fills the core's frame, and returns its
+    // coding. first: the metadata of a frame that has already arrived.
     start(take, fail, first) {
         this.running = true;
         const next = async (now, metadata) => {
@@ -83,7 +83,7 @@ class VideoFrames {
     }
 }
 
-// The exposure of a camera's track, as far as the browser lets a page set it: exposureMode, exposureTime (100 us), iso.
+// The exposure of a camera's track, with the constraints that a page can set: exposureMode, exposureTime (100 us), iso.
 class Exposure {
     constructor(track) {
         this.track = track;
@@ -113,7 +113,7 @@ class Exposure {
         return { least, most: Math.max(max * 1e-4, least), step: tick, gain: iso?.min > 0 ? iso.max / iso.min : 1 };
     }
 
-    // One request at a time: one that comes meanwhile is asked again by the loop.
+    // One request at a time: a request made meanwhile is dropped, and the loop asks again.
     async ask(exposureS, gain) {
         if (this.pending)
             return false;

@@ -1,7 +1,7 @@
-// The settings as controls, each with its unit, made from tables.
+// The controls of the settings, each with its unit, made from tables.
 
-// name of SETTINGS, label, unit, least, most, step, start, digits shown; `of` makes the setting of what is shown.
-// A slider over values that are not evenly spaced: its number is a place in the list.
+// name of SETTINGS, label, unit, least, most, step, start, digits shown; `of` converts the shown value to the setting.
+// With list() a slider's values are not evenly spaced: its number is an index into the list.
 const list = (...values) => ({ values, least: 0, most: values.length - 1, step: 1 });
 const SECONDS = list(0, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9, 1.2, 1.5, 2, 3, 5, 7, 10, 20);
 const WEIGHTS = list(0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1);
@@ -28,7 +28,7 @@ const CHOICES = [
 ];
 
 class Controls {
-    // change(name, value) may throw a sentence.
+    // change(name, value) may throw an Error with a sentence.
     constructor(form, change, fail) {
         Object.assign(this, { form, change, fail, inputs: {} });
         CHOICES.forEach((c) => this.addChoice(c));

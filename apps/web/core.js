@@ -1,4 +1,4 @@
-// The core, as page.c exports it. SETTINGS and RESULTS are in the order of that file.
+// The functions that page.c exports. SETTINGS and RESULTS are in the order of that file.
 
 const PIXEL = { RGB32F: 2, RGBA8: 6, RGB8: 7, NV12: 10, I420: 22 };
 const MATRIX = { BT601: 0, BT709: 1, BT2020: 2 };
@@ -9,9 +9,9 @@ const SETTINGS = ["ev_compensation", "key", "tau_light_s", "tau_dark_s", "frame_
 const RESULTS = ["metered_ev", "adapted_ev", "white_ev", "scale", "dt_s", "state", "reason", "held_back_ev", "flicker_ev",
     "black_share", "clipped_share", "bad_share"];
 const STATES = ["empty", "adapting", "settled", "limited", "locked"];
-const REASONS = ["", "at the least level", "at the most level", "no light", "the clock went back", "locked",
+const REASONS = ["", "at the lowest level", "at the highest level", "no light", "the clock went back", "locked",
     "timestamps too close", "held back by highlights", "no histogram", "too dark: mostly noise", "out of range"];
-// Views: an engine of each law, one that is locked, and the frame itself.
+// What a view shows: an engine of each law, a locked one, or the frame itself.
 const VIEW = { SECONDS: 0, FORMULA_1: 1, FORMULA_2: 2, FORMULA_3: 3, FORMULA_4: 4, EYE: 5, LOCKED: 6, AS_IT_CAME: 7 };
 
 function bytesOfBase64(text) {
@@ -19,7 +19,7 @@ function bytesOfBase64(text) {
 }
 
 class Core {
-    // The module with vectors where the browser has them.
+    // Loads the module with vectors if the browser supports them.
     static async load() {
         const vectors = bytesOfBase64(PAGE_WASM128);
         const bytes = WebAssembly.validate(vectors) ? vectors : bytesOfBase64(PAGE_SCALAR);
@@ -52,7 +52,7 @@ class Core {
         this.settings[name] = value;
     }
 
-    // Room for a frame, for its light before it is changed, and for two pictures.
+    // Allocates memory for a frame, for its original light, and for two pictures.
     make(pixel, width, height) {
         const frame = this.calls.image_bytes(pixel, width, height), picture = width * height * 4;
         if (!frame)
@@ -60,7 +60,7 @@ class Core {
         const align = (n) => (n + 63) & ~63;
         const base = this.calls.room(2 * align(frame) + 2 * align(picture));
         if (!base)
-            throw new Error(`${width} x ${height} pixels: the browser has no memory for them`);
+            throw new Error(`${width} x ${height} pixels: the browser has not enough memory for them`);
         this.pixel = pixel;
         this.width = width;
         this.height = height;
@@ -70,7 +70,7 @@ class Core {
         this.pictureAt = [base + 2 * align(frame), base + 2 * align(frame) + align(picture)];
     }
 
-    // The bytes at frameAt are a frame. coding: of Y'CbCr.
+    // Makes the bytes at frameAt the current frame. coding: for Y'CbCr.
     take(coding) {
         this.calls.frame(this.frameAt, this.pixel, this.width, this.height, coding.matrix, coding.range);
     }
@@ -83,7 +83,7 @@ class Core {
         this.check(this.calls.adapt(timestampNs, exposureS, gain));
     }
 
-    // One of the two pictures, as ImageData.
+    // Maps into one of the two pictures, and returns it as ImageData.
     map(view, which) {
         this.check(this.calls.map(view, this.pictureAt[which]));
         const bytes = this.width * this.height * 4;

@@ -1,5 +1,5 @@
-// From a file's own primaries and white to Rec.709 and D65, as drivers/file/still/still_colour.c: matrices in doubles,
-// pixels in single precision. And the unit of light, as apps/frame/any_scale.c chooses it.
+// Converts a file's own primaries and white to Rec.709 and D65, as drivers/file/still/still_colour.c does: matrices in
+// doubles, pixels in single precision. Also chooses the unit of light, as apps/frame/any_scale.c does.
 
 const REC709 = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
 const BRADFORD = [0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296]; // ICC.1:2010, annex E
@@ -30,7 +30,7 @@ function xyzOf(x, y) {
     return [x / y, 1, (1 - x - y) / y];
 }
 
-// null where the chromaticities are not sane.
+// null if the chromaticities are not plausible.
 function rgbToXyz(xy) {
     if (!xy.every((v) => Math.abs(v) <= 2) || !(xy[6] > 0.05 && xy[7] > 0.05 && xy[6] + xy[7] < 0.95))
         return null;
@@ -44,7 +44,7 @@ function rgbToXyz(xy) {
     return scale && scale.every((s) => s > 0) ? columns.map((v, i) => v * scale[i % 3]) : null;
 }
 
-// The matrix to Rec.709, or null where there is nothing to do.
+// The matrix to Rec.709, or null if no conversion is needed.
 function matrixToRec709(xy) {
     const from = xy && rgbToXyz(xy);
     if (!from)
@@ -65,8 +65,8 @@ function convertTo709(rgb, matrix) {
     }
 }
 
-// The power of two that light far from 1 is multiplied by: by the brightest channel of 256 x 256 pixels, of which 5 % of
-// those with light are above 2^-6..2^16 or it is brought to 2^4.
+// The power of two by which light far from 1 is multiplied. It depends on the value that the brightest channel exceeds
+// in 5 % of up to 256 x 256 pixels with light: from 2^-6 to 2^16 nothing is changed, else that value becomes 2^4.
 function stopsForUnit(rgb, width, height) {
     const stops = [], stepX = Math.ceil(width / 256), stepY = Math.ceil(height / 256);
     const exponent = new DataView(new ArrayBuffer(4));

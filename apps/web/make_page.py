@@ -1,7 +1,7 @@
 """make_page.py OUT.html FILES...: puts a page's parts into one file.
 
-Of FILES the .html has the marks {{style}}, {{script}} and {{modules}}. The .css files take the place of the first, the
-.js files in their order that of the second, the .wasm files as constants in base64 that of the third."""
+The .html among FILES has the marks {{style}}, {{script}} and {{modules}}. The .css files replace the first, the .js
+files in their order the second, and the .wasm files, as constants in base64, the third."""
 import base64
 import pathlib
 import sys

@@ -1,4 +1,4 @@
-// The page: frames from a source through the core to the picture, the plot and the figures.
+// The page: passes frames from a source through the core, and shows the picture, the plot and the figures.
 
 const at = (id) => document.getElementById(id);
 const RGB_CODING = { matrix: MATRIX.BT601, range: RANGE.FULL };
@@ -6,7 +6,7 @@ const LAWS = [[VIEW.SECONDS, "Default, in seconds", "--adapted"], [VIEW.FORMULA_
     [VIEW.FORMULA_2, "Formula 2", "--two"], [VIEW.FORMULA_3, "Formulas 3 and 4", "--three"], [VIEW.EYE, "An eye", "--eye"]];
 const STEP_S = 4, STEP_EV = -4, STILL_FPS = 30, FIRST_FRAME_MS = 4000;
 
-// A mean that follows.
+// Exponential moving averages.
 class Times {
     constructor() {
         this.ms = {};
@@ -28,14 +28,14 @@ class Page {
         this.frames = null;
         this.exposure = null;
         this.recording = null;
-        this.request = { late: false }; // the last one for a source
-        this.pending = null; // the video that is waited for
+        this.request = { late: false }; // the newest request for a source
+        this.pending = null; // a video whose first frame has not arrived
         this.count = 0;
         this.lastDraw = 0;
-        this.log = null; // of the tests: an array, to which each frame adds what was adapted to
+        this.log = null; // set by tests: an array to which each frame's time and levels are added
     }
 
-    // --- what happens once ---
+    // --- start ---
 
     start() {
         this.controls.defaults();
@@ -99,7 +99,7 @@ class Page {
 
     // --- sources ---
 
-    // Each request takes the place of the one before, which is late from then on.
+    // Each request replaces the one before, which counts as late from then on.
     ask() {
         this.request.late = true;
         if (this.pending)
@@ -143,7 +143,7 @@ class Page {
         tick();
     }
 
-    // Its light: the slider's, and the steps'. The gain says what the unit was multiplied by.
+    // The slider and the steps change the light of the still. The gain is the factor of the unit (stopsForUnit).
     stillFrame(now) {
         const floats = this.still.pixel === PIXEL.RGB32F, seconds = now / 1000;
         if (!this.count)
@@ -178,7 +178,7 @@ class Page {
         at("file").value = "";
     }
 
-    // Of its own for each source: what is shown goes on until the next one has a frame.
+    // Each source has its own element, so the old source stays on the page until the new one has a frame.
     makeVideo() {
         const video = at("video").cloneNode();
         video.removeAttribute("src");
@@ -195,7 +195,7 @@ class Page {
                 video.onerror = () => reject(new Error(why));
                 setTimeout(() => reject(new Error(`no frame came in ${FIRST_FRAME_MS / 1000} s; ${why}`)), FIRST_FRAME_MS);
                 Object.assign(video, { src: URL.createObjectURL(file), loop: true });
-                video.play().catch(() => {}); // onerror says why not
+                video.play().catch(() => {}); // onerror reports why
             });
             checkSize(video.videoWidth, video.videoHeight);
         } catch (error) {
@@ -212,7 +212,7 @@ class Page {
 
     async useCamera(deviceId) {
         if (!navigator.mediaDevices?.getUserMedia)
-            throw new Error("This browser gives no camera to a page from here. Try https:// or http://localhost");
+            throw new Error("This browser gives this page no camera. Open it from https:// or http://localhost");
         const wanted = deviceId ? { deviceId: { exact: deviceId } } : { width: { ideal: 1280 }, height: { ideal: 720 } };
         const request = this.ask(), video = this.makeVideo();
         try {
@@ -313,7 +313,7 @@ class Page {
         });
     }
 
-    // After a setting has changed: the frame is the same, and so is the level.
+    // After a change of a setting: maps the same frame again, without adapting.
     redraw() {
         if (this.count && this.core.pixel !== undefined)
             this.draw();
@@ -332,7 +332,7 @@ class Page {
             return;
         if (!on) {
             exposure.giveBack();
-            at("loop-state").textContent = "the camera's own automatic";
+            at("loop-state").textContent = "the camera's own automatic exposure";
             return;
         }
         const { least, most, step, gain } = exposure.limits, now = exposure.now;
@@ -380,7 +380,7 @@ class Page {
         const state = STATES[r("state")], reason = REASONS[r("reason")];
         at("level").innerHTML = `<b>${r("adapted_ev").toFixed(2)} EV</b> adapted, ${r("metered_ev").toFixed(2)} EV metered; ` +
             `${state}${reason ? `, ${reason}` : ""}. Clipped ${(100 * r("clipped_share")).toFixed(1)} %, black ` +
-            `${(100 * r("black_share")).toFixed(1)} %${r("bad_share") ? `, not numbers ${(100 * r("bad_share")).toFixed(1)} %` : ""}`;
+            `${(100 * r("black_share")).toFixed(1)} %${r("bad_share") ? `, NaN or infinite ${(100 * r("bad_share")).toFixed(1)} %` : ""}`;
         const pixels = core.width * core.height, perPixel = ((ms.meter + ms.map) * 1e6) / pixels;
         const rows = [["Read the frame", ms.read, "ms"], ["Meter", ms.meter, "ms"], ["Adapt, all laws", ms.adapt, "ms"],
             ["Map", ms.map, "ms"], ["Draw, with the left side", ms.draw, "ms"], ["Meter and map", perPixel, "ns a pixel"],
@@ -408,7 +408,7 @@ class Page {
         return item;
     }
 
-    // Scalar and vectors on the frame that is shown: the shortest of five rounds, each of whole frames for 60 ms.
+    // Times the scalar and the vector kernels on the current frame: the fastest of five rounds of at least 60 ms each.
     async measure() {
         const levels = this.core.level === "scalar" ? [0] : [0, LEVELS.indexOf(this.core.level)], ns = {};
         at("measured").textContent = "measuring ...";
@@ -430,7 +430,7 @@ class Page {
         at("measured").textContent = `ns a pixel: ${Object.entries(ns).map(([key, v]) => `${key} ${v.toFixed(2)}`).join(", ")}`;
     }
 
-    // Adaptation starts again, so that a replay, which begins there, has the same levels.
+    // Resets the adaptation, so that a replay, which starts with the recording, has the same levels.
     record() {
         const button = at("record");
         if (!this.recording && !RECORDED[this.core.pixel])
@@ -449,7 +449,7 @@ class Page {
         button.setAttribute("aria-pressed", String(on));
     }
 
-    // Saves what there is. why: what has ended it, if that was not the button.
+    // Saves the recording. why: what ended it, if not the button.
     stopRecording(why) {
         const recording = this.recording, frames = recording?.lines.length;
         this.recording = null;
@@ -480,7 +480,7 @@ class Page {
 }
 
 Core.load().then((core) => {
-    window.pupil = new Page(core); // for the console
+    window.pupil = new Page(core); // for the browser's console
     window.pupil.start();
 }).catch((error) => {
     at("message").textContent = `The core does not start in this browser: ${error.message}`;

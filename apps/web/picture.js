@@ -1,4 +1,4 @@
-// The picture: two views beside each other, parted by a line, and the metering region on it, by pointer or keys.
+// The picture: two views with a line between them, and the metering region, which is set by pointer or keys.
 
 class Picture {
     constructor(stage, canvas, box, onRegion) {

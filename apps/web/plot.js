@@ -1,4 +1,4 @@
-// Levels over time on a canvas: the last seconds, in EV.
+// Plots the levels of the last seconds on a canvas, in EV.
 
 const PLOT_SECONDS = 20;
 

@@ -1,4 +1,4 @@
-// A file by its first bytes. Every refusal is a sentence; the caller puts the file's name in front.
+// Chooses a file's reader by its first bytes. Every refusal is a sentence; the caller puts the file's name in front.
 
 const MOST_PIXELS = 2 ** 26;
 
@@ -10,7 +10,7 @@ function checkSize(width, height) {
             "are read");
 }
 
-// What the browser reads: 8-bit codes.
+// Lets the browser decode the file, to 8-bit codes.
 async function readByBrowser(bytes) {
     let bitmap;
     try {
@@ -25,7 +25,7 @@ async function readByBrowser(bytes) {
     return { width: bitmap.width, height: bitmap.height, pixel: PIXEL.RGBA8, data };
 }
 
-// { width, height, pixel, data }, in the order of the core's formats.
+// Returns { width, height, pixel, data }, with the data as the core's format `pixel` has them.
 async function readPicture(bytes) {
     const begins = (...values) => values.every((v, i) => bytes[i] === v);
     if (begins(0x76, 0x2f, 0x31, 0x01))

@@ -1,5 +1,5 @@
-// OpenEXR of one part, scanlines or tiles of one level, to linear light (openexr.com, "OpenEXR File Layout"): what
-// drivers/file/still/read_exr.c makes of it, but for B44, DWA, several parts and chroma of half the size, which are named.
+// Reads OpenEXR of one part, scanlines or tiles of one level, to linear light (openexr.com, "OpenEXR File Layout"), with
+// the result of drivers/file/still/read_exr.c. B44, DWA, several parts and chroma of half the size are refused by name.
 
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
 const EXR_LINES = [1, 1, 1, 16, 32, 16, 32, 32, 32, 256]; // of a chunk
@@ -15,7 +15,7 @@ function damagedExr(what) {
     return new Error(`is damaged as an OpenEXR file: ${what}`);
 }
 
-// Reads numbers and names, and never beyond the end.
+// Reads numbers and names, and throws at the end of the data.
 class ExrBytes {
     constructor(bytes) {
         this.bytes = bytes;
@@ -96,7 +96,7 @@ function headerOfExr(r) {
     return header;
 }
 
-// Which channels make the picture: R, G, B, or Y for all three, without a layer's name or with the first that has them.
+// The picture's channels: R, G, B, or Y for all three, without a layer's name, else of the first layer that has them.
 function picked(channels) {
     const layers = ["", ...channels.map((c) => c.name.slice(0, c.name.lastIndexOf(".") + 1))];
     for (const layer of layers)
@@ -111,7 +111,7 @@ function picked(channels) {
     throw new Error(`has the channels ${list}; R, G and B, or Y alone, are read here`);
 }
 
-// Bytes that were split in two halves, of differences, to what they were.
+// Undoes the predictor: sums the differences, and interleaves the two halves.
 function unpredicted(bytes) {
     const out = new Uint8Array(bytes.length), half = (bytes.length + 1) >> 1;
     for (let i = 1; i < bytes.length; i++)
@@ -138,7 +138,7 @@ function unRle(bytes, size) {
     return to === size ? out : null;
 }
 
-// PXR24: per line and channel, planes of bytes, most significant first, of differences; floats without their last 8 bits.
+// PXR24: per line and channel, byte planes of differences, most significant first; floats lack their last 8 bits.
 function unPxr24(bytes, block) {
     const out = new Uint8Array(block.bytes), view = new DataView(out.buffer);
     let at = 0, to = 0;
@@ -158,7 +158,7 @@ function unPxr24(bytes, block) {
     return out;
 }
 
-// A tile or a group of lines: its samples, uncompressed, line by line and channel by channel.
+// Decompresses a tile or a group of lines: samples line by line and channel by channel.
 async function exrBlock(compression, bytes, block) {
     let out = null;
     if (bytes.length === block.bytes || compression === 0)
@@ -176,7 +176,7 @@ async function exrBlock(compression, bytes, block) {
     return out === bytes ? out : unpredicted(out);
 }
 
-// The part of a block that the picture shows.
+// Copies the part of a block that is inside the picture.
 function placeBlock(header, which, samples, block, to, size) {
     const view = new DataView(samples.buffer, samples.byteOffset, samples.byteLength), [left, top] = header.displayWindow;
     const lineBytes = block.bytes / block.height;
@@ -210,7 +210,7 @@ function checkExr(header, which, fileBytes) {
             "read here");
     for (const c of header.channels)
         if (c.stepX !== 1 || c.stepY !== 1)
-            throw new Error(`has channel ${c.name} sampled every ${c.stepX} x ${c.stepY} pixels; it must be there for each`);
+            throw new Error(`has channel ${c.name} sampled every ${c.stepX} x ${c.stepY} pixels; every pixel must have it`);
     const bytes = header.channels.reduce((sum, c) => sum + c.bytes, 0);
     if (((x1 - x0 + 1) * (y1 - y0 + 1) * bytes) / 1400 > fileBytes)
         throw new Error(`the header promises ${x1 - x0 + 1} x ${y1 - y0 + 1} pixels, more than ${fileBytes} bytes can hold`);
@@ -228,14 +228,14 @@ async function readExr(bytes) {
     const high = header.tiled ? header.tiles.height : EXR_LINES[header.compression];
     const across = Math.ceil((x1 - x0 + 1) / wide), count = across * Math.ceil((y1 - y0 + 1) / high);
     const data = new Float32Array(size.width * size.height * 3), seen = new Set();
-    r.take(8 * count); // where the chunks are: they follow one another
+    r.take(8 * count); // skips the chunks' offsets: chunks follow one another
     for (let i = 0; i < count; i++) {
         const place = header.tiled ? [r.int(), r.int(), r.int(), r.int()] : [0, (r.int() - y0) / high];
         const block = { x: x0 + place[0] * wide, y: y0 + place[1] * high, channels: header.channels };
         block.width = Math.min(wide, x1 + 1 - block.x);
         block.height = Math.min(high, y1 + 1 - block.y);
         if (!(place[0] >= 0 && place[1] >= 0 && block.width > 0 && block.height > 0 && Number.isInteger(place[1])))
-            throw damagedExr("a chunk lies outside of the picture");
+            throw damagedExr("a chunk is outside the picture");
         block.bytes = block.width * block.height * pixelBytes;
         const length = r.int(), from = r.take(length);
         const samples = await exrBlock(header.compression, bytes.slice(from, from + length), block);

@@ -1,7 +1,7 @@
-// The compression PIZ of OpenEXR: 16-bit words through a table of those that occur, a wavelet and a Huffman code
+// Decompresses PIZ of OpenEXR: a Huffman code, a wavelet, and a table of the 16-bit words that occur
 // ("Technical Introduction to OpenEXR", Data Compression).
 
-// Bits, the most significant first.
+// Reads bits, the most significant first.
 class PizBits {
     constructor(bytes) {
         this.bytes = bytes;
@@ -11,7 +11,7 @@ class PizBits {
     bit() {
         const i = this.at++;
         if (i >= 8 * this.bytes.length)
-            throw damagedExr("a code goes on behind its end");
+            throw damagedExr("a code runs past the end of the data");
         return (this.bytes[i >> 3] >> (7 - (i & 7))) & 1;
     }
 
@@ -38,7 +38,7 @@ function pizLengths(bits, least, most) {
     return lengths;
 }
 
-// Canonical codes: of each length the first code, and its symbols in their order.
+// Canonical codes: for each length the first code, and the symbols in order.
 function pizCodes(lengths) {
     const codes = Array.from({ length: 59 }, () => ({ first: 0, symbols: [] }));
     lengths.forEach((length, symbol) => length && codes[length].symbols.push(symbol));
@@ -63,7 +63,7 @@ function pizWords(bytes, count) {
         do {
             code = 2 * code + bits.bit();
             if (++length > 58)
-                throw damagedExr("it has a code that none stands for");
+                throw damagedExr("it has a code without a symbol");
             const of = codes[length];
             symbol = code >= of.first ? of.symbols[code - of.first] : undefined;
         } while (symbol === undefined);
@@ -80,7 +80,7 @@ function pizWords(bytes, count) {
     return words;
 }
 
-// A sum and a difference to what they were made of; of 14 bits, or of 16 by a modulus.
+// Undo one step of the wavelet: a sum and a difference become two samples, of 14 bits, or of 16 with wrap-around.
 function unpair14(w, low, high) {
     const difference = (w[high] << 16) >> 16, a = ((w[low] << 16) >> 16) + (difference & 1) + (difference >> 1);
     w[low] = a;
@@ -93,7 +93,7 @@ function unpair16(w, low, high) {
     w[high] = b;
 }
 
-// The wavelet of a plane whose samples are stepX and stepY words apart.
+// Undoes the wavelet of a plane whose samples are stepX and stepY words apart.
 function unwavelet(w, start, width, stepX, height, stepY, unpair) {
     let p = 1;
     while (2 * p <= Math.min(width, height))
@@ -119,7 +119,7 @@ function unwavelet(w, start, width, stepX, height, stepY, unpair) {
     }
 }
 
-// The words that occur, by what stands for them, from a map of bits; and how many there are.
+// The table from symbols to the words that occur, made from a bitmap, and its highest symbol.
 function pizTable(bytes) {
     const table = new Uint16Array(65536), first = bytes[0] | (bytes[1] << 8), last = bytes[2] | (bytes[3] << 8);
     let used = 0;

@@ -1,5 +1,5 @@
-// PNG of 1 to 16 bits to linear light, as drivers/file/still/read_png.c: by cICP, else sRGB, else gAMA and cHRM. 8-bit sRGB
-// stays as it is, for the core to decode.
+// Reads PNG of 1 to 16 bits to linear light, as drivers/file/still/read_png.c does: by cICP, else sRGB, else gAMA and
+// cHRM. 8-bit sRGB is not converted; the core decodes it.
 
 const CRC_TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
     for (let k = 0; k < 8; k++)
@@ -14,7 +14,7 @@ function crcOf(bytes) {
     return (crc ^ 0xffffffff) >>> 0;
 }
 
-// What zlib made smaller; null where it is damaged.
+// Decompresses zlib data; null if they are damaged.
 async function inflated(bytes) {
     try {
         const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
@@ -46,7 +46,7 @@ function chunksOfPng(bytes) {
     throw damagedPng("it ends early");
 }
 
-// A function from 0..1 to light; BT.709 and PQ and HLG: Rec. ITU-R BT.709-6, 1.2 inverted, and BT.2100-2, tables 4, 5.
+// Functions from 0..1 to light. BT.709: Rec. ITU-R BT.709-6, 1.2 inverted; PQ and HLG: BT.2100-2, tables 4, 5.
 const PNG_CURVES = {
     8: (v) => v,
     13: (v) => (v <= 0.04045 ? v / 12.92 : Math.pow((v + 0.055) / 1.055, 2.4)),

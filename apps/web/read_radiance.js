@@ -1,4 +1,4 @@
-// Radiance pictures and portable float maps, as drivers/file/still/read_radiance.c and read_pfm.c.
+// Reads Radiance pictures and portable float maps, as drivers/file/still/read_radiance.c and read_pfm.c do.
 
 // Reads lines and words of a header.
 class HeaderText {
@@ -66,7 +66,7 @@ function resolutionOfRadiance(text) {
     return { lines, pixels, width, height, first, lineStep: steps[0], pixelStep: steps[1] };
 }
 
-// A line of the old kind: pixels as they are; 1 1 1 n repeats the one before n times. Returns a fault.
+// A line in the old encoding: plain pixels; 1 1 1 n repeats the one before n times. Returns a fault or null.
 function oldLine(r, line, pixels) {
     for (let done = 0, shift = 0; done < pixels; r.at += 4) {
         const b = r.bytes.subarray(r.at, r.at + 4);
@@ -89,7 +89,7 @@ function oldLine(r, line, pixels) {
     return null;
 }
 
-// A line of the new kind: the four components one after the other; a count above 128 is a run.
+// A line in the new encoding: the four components one after the other; a count above 128 is a run.
 function newLine(r, line, pixels) {
     r.at += 4;
     for (let component = 0; component < 4; component++)

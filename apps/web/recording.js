@@ -1,4 +1,4 @@
-// What was metered, as a recording that pupil replay reads (docs/recording.md), in a tar archive: frames.mkv (Matroska, RFC
+// The metered frames as a recording for pupil replay (docs/recording.md), in a tar archive: frames.mkv (Matroska, RFC
 // 9559), frames.jsonl with the exact times, recording.json.
 
 const RECORDED = {
@@ -18,7 +18,7 @@ function bytesOfNumber(number, count) {
     return Uint8Array.from({ length: count }, (_, i) => Math.floor(number / 256 ** (count - 1 - i)) % 256);
 }
 
-// An element: its ID, its length in 8 bytes, its content: bytes, a text, a number, or elements.
+// A Matroska element: ID, length in 8 bytes, and content, which may be bytes, a text, a number, or elements.
 function element(id, ...content) {
     const parts = content.map((c) => (typeof c === "number" ? bytesOfNumber(c, 4)
         : typeof c === "string" ? bytesOfText(c) : c)).flat();
@@ -30,7 +30,7 @@ function element(id, ...content) {
 function matroskaHead(pixel, width, height) {
     const video = element(0xe0, element(0xb0, width), element(0xba, height), element(0x2eb524, RECORDED[pixel].fourcc));
     const track = element(0xae, element(0xd7, 1), element(0x73c5, 1), element(0x83, 1), element(0x86, "V_UNCOMPRESSED"), video);
-    const unknown = Uint8Array.of(0x18, 0x53, 0x80, 0x67, 1, 255, 255, 255, 255, 255, 255, 255); // a segment until the end
+    const unknown = Uint8Array.of(0x18, 0x53, 0x80, 0x67, 1, 255, 255, 255, 255, 255, 255, 255); // a segment of unknown length
     return [...element(0x1a45dfa3, element(0x4286, 1), element(0x42f7, 1), element(0x42f2, 4), element(0x42f3, 8),
         element(0x4282, "matroska"), element(0x4287, 4), element(0x4285, 2)), unknown,
         ...element(0x1549a966, element(0x2ad7b1, 1000000), element(0x4d80, "pupil"), element(0x5741, "pupil")),
@@ -41,7 +41,7 @@ function matroskaFrame(ms, bytes) {
     return element(0x1f43b675, element(0xe7, ms), element(0xa3, Uint8Array.of(0x81, 0, 0, 0x80), bytes));
 }
 
-// A file in a tar archive (POSIX.1-1988, ustar), with what fills its last block.
+// A file in a tar archive (POSIX.1-1988, ustar), with the padding of its last block.
 function tarFile(name, blob) {
     const head = new Uint8Array(512), put = (at, text) => head.set(bytesOfText(text), at);
     const octal = (number, digits) => `${number.toString(8).padStart(digits, "0")}\0`;
@@ -68,7 +68,7 @@ class Recording {
         return this.lines.length >= this.most;
     }
 
-    // False: frames of another size or format, which a recording cannot have.
+    // False if the frame has another size or format than the first one: a recording has only one.
     add(core, timestampNs, exposureS, gain) {
         if (core.pixel !== this.pixel || core.width !== this.width || core.height !== this.height)
             return false;

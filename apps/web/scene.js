@@ -1,5 +1,5 @@
-// What the page shows before anything is opened: a room with a window and a lamp, over 10 stops, in linear light. A frame
-// of floats, drawn once; the light slider and the steps change its light.
+// What the page shows at the start: a room with a window and a lamp, over 10 stops, in linear light. It is a frame of
+// floats, computed once; the light slider and the steps scale it.
 
 function testScene() {
     const width = 480, height = 270, data = new Float32Array(width * height * 3);
