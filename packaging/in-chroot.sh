@@ -1,6 +1,7 @@
 #!/bin/sh
 # in-chroot.sh ROOT FOLDER COMMAND...: runs the command as root in the Debian system that is in ROOT, where FOLDER is
-# /build. What it writes elsewhere is in memory and gone afterwards. Exits with its status. CCACHE_DIR, if set, is /ccache.
+# /build. Files that it writes elsewhere are in memory, and are lost at its end. Exits with its status. CCACHE_DIR, if set, is
+# /ccache.
 set -eu
 [ $# -ge 3 ] || { echo "usage: $0 ROOT FOLDER COMMAND..." >&2; exit 2; }
 [ "$(id -u)" = 0 ] || { echo "$0: needs root" >&2; exit 1; }
@@ -11,7 +12,7 @@ above=$(mktemp -d)
 trap 'rmdir "$above"' EXIT
 trap 'exit 130' INT TERM
 status=0
-# The mounts are the new namespace's, and end with it.
+# The mounts belong to the new namespace, and end with it.
 unshare --mount --pid --fork --kill-child sh -euc '
     above=$1 root=$2 folder=$3 ccache=$4
     shift 4

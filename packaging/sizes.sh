@@ -7,7 +7,7 @@ tree=$(cd "$(dirname "$0")/.." && pwd)
 mkdir -p "$1"
 build=$(cd "$1" && pwd)
 
-# kb FILE: its size in kB; "-" without it
+# kb FILE: its size in kB; "-" if it is absent
 kb() {
     [ -f "$1" ] || { echo -; return; }
     echo $((($(stat -L -c %s "$1") + 500) / 1000))

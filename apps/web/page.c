@@ -1,7 +1,7 @@
-/* The functions that the page calls. Arguments are numbers and addresses in the module's memory, results are numbers.
- * There is no C library: the page writes a frame's bytes into that memory, and reads a picture's from it.
+/* The core as the page calls it: numbers and addresses in a module's memory go in, numbers come out. No C library: the
+ * page fills in a frame's bytes, and reads a picture's.
  *
- * Each engine is a pupil_t of one law. All take the same statistics, so the frame is metered once.
+ * Each engine is a pupil_t of one law. They take the same statistics: the frame is metered once.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -11,7 +11,7 @@
 
 #define EXPORT(NAME) __attribute__((export_name(NAME)))
 
-/* Views: an engine of each law, and then these. */
+/* What a view shows: an engine of each law, and then these. */
 enum { LOCKED = PUPIL_LAW_COUNT, ENGINES, AS_IT_CAME = ENGINES };
 
 static pupil_t engine[ENGINES];
@@ -24,12 +24,12 @@ static pupil_sensor sensor;
 static pupil_sensor_config sensor_config;
 static const char *why = "";
 
-/* --- memory: one region, after the data that the linker placed --- */
+/* --- memory: one region, behind what the linker has placed --- */
 
 extern unsigned char __heap_base;
 enum { PAGE_BYTES = 65536 };
 
-/* The address of `bytes` bytes, valid until the next call; 0: not enough memory. */
+/* Where `bytes` bytes are, until the next call; 0: there is no room. */
 EXPORT("room") unsigned char *page_room(uint32_t bytes);
 unsigned char *page_room(uint32_t bytes)
 {
@@ -97,7 +97,7 @@ static void change(uint32_t what, double value)
         meter_by((uint32_t)value);
 }
 
-/* 0, or an error: then nothing has changed and page_why returns a sentence. */
+/* 0, or an error, and then nothing has changed and page_why has a sentence. */
 EXPORT("set") int page_set(uint32_t what, double value);
 int page_set(uint32_t what, double value)
 {
@@ -146,7 +146,7 @@ uint32_t page_image_bytes(uint32_t pixel, uint32_t width, uint32_t height)
     return bytes > UINT32_MAX / 2 ? 0 : (uint32_t)bytes;
 }
 
-/* Makes the page_image_bytes bytes at `data` the current frame. matrix, range: the coding of its Y'CbCr. */
+/* The frame whose bytes are at `data`, as page_image_bytes has them, and the coding of its Y'CbCr. */
 EXPORT("frame")
 void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t height, uint32_t matrix, uint32_t range);
 void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t height, uint32_t matrix, uint32_t range)
@@ -156,7 +156,7 @@ void page_frame(unsigned char *data, uint32_t pixel, uint32_t width, uint32_t he
     frame.coding = &coding;
 }
 
-/* Scales floats to other light. */
+/* Floats as they would be in other light. */
 EXPORT("light") void page_light(const float *from, float *to, uint32_t count, float factor);
 void page_light(const float *from, float *to, uint32_t count, float factor)
 {
@@ -221,7 +221,8 @@ double page_result(uint32_t view, uint32_t what)
 
 /* --- the sensor loop --- */
 
-/* A camera whose exposure time has limits and a step. gain_most is 1 if it has no gain. Its tone curve is unknown. */
+/* A camera whose exposure time has limits and a step. gain_most: its largest gain, 1 if it has none. Its tone curve is
+ * unknown. */
 EXPORT("sensor_begin")
 int page_sensor_begin(double frame_s, double least_s, double most_s, double step_s, double gain_most, double exposure_s,
                       double gain);
@@ -229,7 +230,7 @@ int page_sensor_begin(double frame_s, double least_s, double most_s, double step
                       double gain)
 {
     pupil_sensor_config_default(&sensor_config);
-    sensor_config.delay_frames = 16; /* a browser does not report how many frames are in flight */
+    sensor_config.delay_frames = 16; /* a browser does not say how many frames are on their way */
     sensor_config.frame_s = frame_s;
     sensor_config.exposure_min_s = least_s;
     sensor_config.exposure_max_s = most_s;
@@ -243,7 +244,7 @@ int page_sensor_begin(double frame_s, double least_s, double most_s, double step
     return result == PUPIL_OK ? pupil_sensor_start(&sensor, exposure_s, gain) : result;
 }
 
-/* Passes the statistics of the last metered frame to the loop. 1: a new setting is to be written, -1: refused. */
+/* The frame that was metered last. 1: there is a setting to be written, -1: refused. */
 EXPORT("sensor_frame") int page_sensor_frame(int64_t timestamp_ns, double exposure_s, double gain);
 int page_sensor_frame(int64_t timestamp_ns, double exposure_s, double gain)
 {
