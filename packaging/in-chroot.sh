@@ -1,7 +1,7 @@
 #!/bin/sh
 # in-chroot.sh ROOT FOLDER COMMAND...: runs the command as root in the Debian system that is in ROOT, where FOLDER is
-# /build. Files that it writes elsewhere are in memory, and are lost at its end. Exits with its status. CCACHE_DIR, if set, is
-# /ccache.
+# /build. Files that it writes elsewhere are in memory, and are lost when it ends. Exits with its status. CCACHE_DIR, if
+# set, is /ccache.
 set -eu
 [ $# -ge 3 ] || { echo "usage: $0 ROOT FOLDER COMMAND..." >&2; exit 2; }
 [ "$(id -u)" = 0 ] || { echo "$0: needs root" >&2; exit 1; }
