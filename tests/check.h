@@ -9,7 +9,8 @@
  *         return check_end();
  *     }
  *
- * A failed check prints where, what, the seed and the line that reruns the program with it; the program continues.
+ * A failed check prints where, what, the seed and the command that reruns the program with that seed; the program
+ * continues.
  */
 #ifndef PUPIL_TESTS_CHECK_H
 #define PUPIL_TESTS_CHECK_H
@@ -86,7 +87,7 @@ static inline double check_uniform(void) /* in [0, 1) */
     return (double)(check_random() >> 11) * 0x1p-53;
 }
 
-/* 1 where the address sanitizer is built in, as gcc says it, or clang. */
+/* 1 if the address sanitizer is built in; gcc and clang report that differently. */
 #if defined __SANITIZE_ADDRESS__
 #define CHECK_SANITIZED 1
 #elif defined __has_feature
@@ -98,14 +99,14 @@ static inline double check_uniform(void) /* in [0, 1) */
 #define CHECK_SANITIZED 0
 #endif
 
-/* How many of a sweep's cases run: a fifth with the sanitizers, because each takes several times as long. A wrong
- * access or an invalid value shows in few cases as well as in many. The figures are for all cases. */
+/* How many cases of a sweep are run: a fifth under the sanitizers, where each takes several times as long. Few cases
+ * show a wrong access or an invalid value as well as many do; only the figures need them all. */
 static inline int check_some(int cases)
 {
     return CHECK_SANITIZED ? (cases + 4) / 5 : cases;
 }
 
-/* A sweep over pairs of things tries every n-th pair; with `all`, as in the long tests, every pair. */
+/* A sweep over pairs tries every n-th one; with `all`, as in the long tests, every pair. */
 static inline int check_every(int n)
 {
     return check_state.all ? 1 : n;

@@ -135,7 +135,7 @@ static double srgb(double light)
     return light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
 }
 
-/* Formats of a camera: one sample a pixel, and colour only next to it. */
+/* Formats of a camera: one sample a pixel, and colour only in the neighbours. */
 static void set_sample(frame *f, uint32_t x, uint32_t y, double r, double g, double b)
 {
     static const unsigned char bits[PUPIL_PIXEL_COUNT] = {

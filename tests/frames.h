@@ -1,5 +1,6 @@
-/* tests/frames.h: frames to meter and map, the easy ones and the hard ones. Random numbers come from check.h, through a
- * function that the program passes (a program has one stream of them). */
+/* tests/frames.h: frames to meter and map, easy and hard ones. Random numbers come from a function that the program
+ * passes, so that each program has one stream of them (check.h).
+ */
 #ifndef PUPIL_TESTS_FRAMES_H
 #define PUPIL_TESTS_FRAMES_H
 
@@ -9,11 +10,11 @@
 
 typedef struct frame {
     pupil_image_const image;
-    unsigned char *memory;        /* with 64 bytes of guard before and after */
-    size_t bytes;                 /* of the memory, guards and all */
-    unsigned char *chroma_memory; /* of the second plane, likewise; NULL: none */
+    unsigned char *memory;        /* with 64 guard bytes on each side */
+    size_t bytes;                 /* of the memory, with guards */
+    unsigned char *chroma_memory; /* of the second plane, the same; NULL: none */
     unsigned char *cr_memory;     /* of the third */
-    size_t chroma_bytes;          /* of each of these two */
+    size_t chroma_bytes;          /* of each of the two */
 } frame;
 
 typedef double frame_random(void); /* in [0, 1) */
@@ -24,11 +25,11 @@ frame frame_make(uint32_t width, uint32_t height, uint32_t pixel, size_t padding
 void frame_free(frame *f);
 pupil_image frame_writable(const frame *f);
 
-/* Red, green and blue in each pixel; and blue before red. */
+/* Whether each pixel has red, green and blue; whether blue comes first. */
 int frame_is_rgb(uint32_t pixel);
 int frame_blue_first(uint32_t pixel);
 
-/* The nearest size up from this one that the format can have. */
+/* This size, rounded up to one that the format can have. */
 void frame_fit(uint32_t pixel, uint32_t *width, uint32_t *height);
 
 /* 1 if all planes are the same, byte for byte. */
@@ -38,7 +39,7 @@ int frame_equal(const frame *a, const frame *b);
 int frame_guards_intact(const frame *f);
 
 /* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. Y'CbCr,
- * grey and mosaics, which hold less than a colour per pixel, get a value that rises and falls with it. */
+ * grey and mosaics hold less than a colour per pixel: they get a value that rises and falls with it. */
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a);
 void frame_fill(frame *f, double r, double g, double b);
 
@@ -47,7 +48,7 @@ void frame_lognormal(frame *f, double middle, double sigma_stops, frame_random *
 void frame_gradient(frame *f, double from, double to); /* geometric, along both sides */
 void frame_checker(frame *f, double a, double b);
 void frame_one(frame *f, double background, double bright, frame_random *random); /* one bright pixel */
-/* Every odd value in turn: NaN, Inf, -Inf, negative, zero, denormal, floor, 2^30, the largest float, ordinary. */
+/* Every special value in turn: NaN, Inf, -Inf, negative, zero, denormal, floor, 2^30, the largest float, ordinary. */
 void frame_odd(frame *f, frame_random *random);
 void frame_bits(frame *f, frame_random *random); /* any bytes at all */
 

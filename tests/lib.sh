@@ -1,6 +1,6 @@
 # lib.sh: what the shell tests of the program share. A test sources it, and from then on works in a folder of its own,
 # which is removed at the end. A failure is counted and the test goes on; the last line of a test is end_test. Processes
-# that a test leaves in the background are ended with it where their ids are in $running.
+# that a test leaves in the background are killed with it if their ids are in $running.
 room=$(mktemp -d) || exit 1
 running=
 failures=0
@@ -13,7 +13,7 @@ leave() {
 trap leave EXIT
 trap 'exit 1' INT TERM
 cd "$room" || exit 1
-export XDG_STATE_HOME=/dev/null # no run begins with what another one has kept, nor keeps anything
+export XDG_STATE_HOME=/dev/null # no run reads another one's state, or keeps its own
 
 # fail SENTENCE
 fail() {
@@ -53,7 +53,7 @@ use_fake_camera() {
     program=${PUPIL_RUN_FAKE:-}
     [ -n "$program" ] || skip "built without cameras"
 }
-# What run_fake says at its end of a camera whose controls are as their user had them.
+# What run_fake prints at its end if the camera's controls are as their user had them.
 fake_restored="fake: auto 3, exposure 77, gain 40"
 
 # call STATUS WORDS ARGUMENTS...: the program's exit status, and words that its standard error holds. Its output is kept
@@ -76,7 +76,7 @@ expect() {
     [ "$(sentences)" -le 1 ] || [ "$status" = 3 ] || fail "$*: more than one sentence: $(cat said.err)"
 }
 
-# absent PATH...: nothing is there, and nothing unfinished anywhere in the folder
+# absent PATH...: none of these exists, and nothing unfinished is anywhere in the folder
 absent() {
     for path in "$@"; do
         [ ! -e "$path" ] || fail "$path is there"
@@ -85,7 +85,7 @@ absent() {
     [ -z "$left" ] || fail "left behind: $left"
 }
 
-# ends STATUS: the program in the background ($running) ends so within 30 seconds
+# ends STATUS: the program in the background ($running) ends with STATUS within 30 seconds
 ends() {
     tries=0
     while kill -0 "$running" 2>/dev/null && [ $tries -lt 300 ]; do
@@ -111,14 +111,14 @@ until_true() {
     done
 }
 
-# handles_signals: the program in the background has its handler for SIGINT. A shell has its background jobs ignore that
-# signal, and until then it is lost. (Before it becomes the program the job is a shell, which handles it, too.)
+# handles_signals: the program in the background has installed its handler for SIGINT. A shell makes its background jobs
+# ignore that signal, so until then it is lost. (Before exec the job is a shell, which handles it, too.)
 handles_signals() {
     [ "$(readlink "/proc/$running/exe")" != "$(readlink /proc/$$/exe)" ] &&
         [ $((0x0$(sed -n 's/^SigCgt:[^0-9a-f]*//p' "/proc/$running/status") & 2)) != 0 ]
 }
 
-# help_fits LINES COLUMNS FILE: the file of a help text is not longer and not wider
+# help_fits LINES COLUMNS FILE: the help text in FILE is not longer and not wider
 help_fits() {
     [ "$(wc -l <"$3")" -le "$1" ] || fail "$3 has $(wc -l <"$3") lines"
     awk -v most="$2" 'length > most { exit 1 }' "$3" || fail "$3 has a line over $2 characters"

@@ -16,7 +16,7 @@ void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad,
 
 float ref_luminance(const float weight[3], const float rgb[3])
 {
-    /* volatile: each product and sum is rounded to binary32, even where the compiler would like to fuse */
+    /* volatile: each product and sum is rounded to binary32, even if the compiler would fuse them */
     volatile float r = weight[0] * rgb[0], g = weight[1] * rgb[1], b = weight[2] * rgb[2];
     volatile float rg = r + g;
     return rg + b;
@@ -54,7 +54,7 @@ typedef struct counted {
     int black, clipped, bad;
 } counted;
 
-/* What luminance weighs the channels with. */
+/* The channel weights of luminance. */
 typedef struct weights {
     long double exact[3];
     float rounded[3];
@@ -95,7 +95,7 @@ static uint32_t bin_of(float light, int fraction_bits)
 void ref_meter_frame(const pupil_config *config, const pupil_image_const *image, ref_meter *meter)
 {
     long double pixels_sum = 0, floats_sum = 0;
-    long double exact = 1, log2_exact = 0; /* of the pixel before: many frames are even */
+    long double exact = 1, log2_exact = 0; /* of the pixel before: many frames are uniform */
     weights w;
     ref_weights(config, w.exact, w.rounded);
     memset(meter, 0, sizeof *meter);
@@ -219,7 +219,7 @@ static void solve(const long double m[9], const long double y[3], long double x[
     }
 }
 
-/* Made once for each: every pixel of a reference asks for it. */
+/* Computed once for each, because every pixel needs it. */
 static void xyz_of(uint32_t bt2020, long double m[9])
 {
     static long double made[2][9];
@@ -242,7 +242,7 @@ static void xyz_of(uint32_t bt2020, long double m[9])
     memcpy(made[bt2020], m, sizeof made[bt2020]);
 }
 
-/* Of BT.709, as given; of BT.2020, what they are of the same light. */
+/* For BT.709 as given; for BT.2020 converted to the same light. */
 void ref_weights(const pupil_config *config, long double exact[3], float rounded[3])
 {
     static const long double bt709[3] = {0.2126L, 0.7152L, 0.0722L};
@@ -372,7 +372,7 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
     luminance = exact[0] * given[0] + exact[1] * given[1] + exact[2] * given[2];
     if (!isfinite(ref_luminance(rounded, rgb)))
         luminance = ref_luminance(rounded, rgb);
-    if (isnan(luminance)) /* a pixel that is not a number in its luminance is black */
+    if (isnan(luminance)) /* a pixel whose luminance is NaN is black */
         light[0] = light[1] = light[2] = 0;
     luminance = luminance > 0 ? fminl(luminance, REF_TOP) : 0;
     const long double gain = gain_of(curve, luminance);

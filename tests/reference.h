@@ -1,15 +1,15 @@
-/* tests/reference.h: the headers' definitions, computed slowly in long double, as an independent reference for the
- * library. It shares only the public headers with the library. The program has its own, faster reference for mapping
- * (apps/report/verify.c); how pixels are read is written once for both.
+/* tests/reference.h: what the headers say, computed slowly in long double, as an independent reference for the library.
+ * It shares only the public headers with the library. The program has its own, faster reference for mapping
+ * (apps/report/verify.c); both share the code that reads pixels.
  */
 #ifndef PUPIL_TESTS_REFERENCE_H
 #define PUPIL_TESTS_REFERENCE_H
 
 #include "pupil/pupil.h"
 
-#define REF_TOP 0x1p30L /* the largest value of a luminance, stats.h */
+#define REF_TOP 0x1p30L /* the largest luminance, stats.h */
 
-/* Linear light of one pixel, or of a mosaic's quad, from apps/common/pixel_light.h, so to the nearest double. */
+/* apps/common/pixel_light.h, correct to the nearest double: linear light of one pixel, or of a mosaic's quad. */
 void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4]);
 
 /* Converts light to config.output_primaries; config.h. 0: they are the input's. */
@@ -49,19 +49,19 @@ typedef struct ref_order {
 void ref_order_make(const pupil_config *config, const pupil_image_const *image, ref_order *order);
 void ref_order_free(ref_order *order);
 long double ref_trimmed(const ref_order *order, double low, double high);
-/* The values just left and right of the share q of the weight. */
+/* The values just below and above the share q of the weight. */
 void ref_quantile(const ref_order *order, double q, long double *left, long double *right);
 
-/* Linear display light to a code on the real line, 0..255, not yet rounded. */
+/* Linear display light to an unrounded code, 0..255. */
 long double ref_encode(uint32_t transfer, long double light);
 
-/* One pixel through the curve, gamut handling and transfer: three codes on the real line. */
+/* One pixel through the curve, gamut handling and transfer: three unrounded codes. */
 void ref_map(const pupil_config *config, const pupil_curve *curve, const long double rgba[4], long double code[3]);
 
-/* Alpha as a code on the real line. */
+/* Alpha as an unrounded code. */
 long double ref_alpha(const long double rgba[4]);
 
-/* Statistics of a frame of one pixel whose log2 luminance is ev, rounded down to the 2^-40 grid; returns the rounded
+/* Statistics of a frame of one pixel whose log2 luminance is `ev` rounded down to a multiple of 2^-40; returns that
  * value. */
 double ref_stats_at(double ev, int histogram, pupil_stats *stats);
 

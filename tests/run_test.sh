@@ -1,6 +1,6 @@
 #!/bin/sh
-# run_test.sh COMMAND...: every test runs through this. A test exits with 77 where something is not installed: with
-# $PUPIL_TESTS_REQUIRE, which test.sh sets where it has installed everything, that is a failure. It exits with 76 where the
+# run_test.sh COMMAND...: every test runs through this. A test exits with 77 if something is not installed. With
+# $PUPIL_TESTS_REQUIRE, which test.sh sets if it has installed everything, that is a failure. It exits with 76 if the
 # machine or the checkout cannot have what it needs: a CPU's instructions, the folder of shared images. ctest calls both
 # "skipped" (77).
 status=0

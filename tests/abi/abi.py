@@ -18,7 +18,7 @@ def preprocessed(compiler, include, options, text):
 
 
 def own_lines(text, include):
-    """The lines that come from the public headers, by the preprocessor's line markers."""
+    """The lines that come from the public headers, found by the preprocessor's line markers."""
     own = False
     for line in text.splitlines():
         marker = re.match(r'# \d+ "(.*?)"', line)
@@ -29,7 +29,7 @@ def own_lines(text, include):
 
 
 def statements(text):
-    """The declarations at file scope, each on one line; of a function with a body its head."""
+    """The declarations at file scope, one a line; of a function with a body only its head."""
     depth, current, in_function = 0, "", False
     for token in re.findall(r"[{};]|[^{};]+", text):
         if depth == 0 and (token == ";" or (token == "{" and current.rstrip().endswith(")"))):
@@ -44,7 +44,7 @@ def statements(text):
 
 
 def fields_of(body):
-    """(type, name) of each field; the name of an array comes with its lengths in the type."""
+    """(type, name) of each field; the lengths of an array are part of its type."""
     for declaration in filter(None, (d.strip() for d in body.split(";"))):
         first, *more = [d.strip() for d in declaration.split(",")]
         base, name = re.fullmatch(r"(.*?[ *])(\w+(?:\[[^;]*\])?)", first).groups()
@@ -88,7 +88,8 @@ class Headers:
             self.functions.append(without_names(statement))
 
     def measured(self):
-        """Sizes, offsets and values, said by a program: a dictionary from what is printed before the colon."""
+        """Sizes, offsets and values, printed by a program, as a dictionary. The keys are what is printed before the
+        colon."""
         lines = [self.includes, "#include <stddef.h>", "#include <stdio.h>", "int main(void)", "{"]
         for struct, fields in self.structs.items():
             lines.append(f'printf("{struct}:%zu\\n", sizeof({struct}));')
@@ -107,7 +108,7 @@ class Headers:
 
 
 def frozen(include):
-    """The structs whose comment calls them frozen."""
+    """The structs that their comment calls frozen."""
     text = "".join(path.read_text() for path in pathlib.Path(include, "pupil").glob("*.h"))
     return set(re.findall(r"Frozen:[^/]*\*/\ntypedef struct (\w+)", text))
 

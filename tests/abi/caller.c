@@ -1,12 +1,12 @@
 /* caller.c: a program that uses every public struct that may grow. It is compiled with headers of another version than
- * the library's, and with AddressSanitizer, which sees what is read or written beyond a struct: each has memory of its
- * own, of the size that this program was compiled with.
+ * the library's, and with AddressSanitizer, which reports accesses beyond a struct: each struct has its own memory, of
+ * the size that this program was compiled with.
  *
  *     caller              every call
  *     caller zero         size_bytes is 0 where that is allowed: the fields of the first release
  *     caller set STRUCT   the last byte of each STRUCT is not 0
  *
- * Prints "runs", or which call was refused with which code. A refused call has changed nothing. Else exit status 1. */
+ * Prints "runs", or which call was refused with which code. Exit status 1 if a refused call has changed anything. */
 #include "pupil/gles.h"
 #include "pupil/pupil.h"
 #include "pupil/row_gain.h"
@@ -17,17 +17,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The last bytes of each struct, which are a field that the library does not know. */
+/* The last bytes of each struct: a field that the library does not know. */
 #ifndef ADDED_BYTES
 #define ADDED_BYTES 0
 #endif
 
-enum { SIDE = 64 }; /* the smallest picture that row gains look at */
+enum { SIDE = 64 }; /* the smallest picture with row gains */
 
 static const char *set = "";
 static int zero;
 
-/* --- memory, as it was before a call --- */
+/* --- memory as it was before a call --- */
 
 static struct block {
     unsigned char *now, *before;
@@ -74,7 +74,7 @@ static void finish(void *made, size_t bytes, const char *name)
         ((unsigned char *)made)[bytes - 1] = 1;
 }
 
-/* One that the caller fills in. */
+/* A struct that the caller fills in. */
 static void *input(size_t bytes, const char *name)
 {
     void *made = room(bytes);
@@ -85,7 +85,7 @@ static void *input(size_t bytes, const char *name)
     return made;
 }
 
-/* One that the library has filled in: what it does not know is 0. */
+/* A struct that the library has filled in: fields that it does not know are 0. */
 static void check_output(const void *filled, size_t bytes, const char *name)
 {
     uint32_t size_bytes;
@@ -248,8 +248,8 @@ static pupil_gles_function finds_nothing(const char *name)
     return 0;
 }
 
-/* Without a context pupil_gles_init takes the configuration and then finds that there is none. What needs a context is
- * in tests/gles/test_versions.c. */
+/* Without a context pupil_gles_init accepts the configuration and then reports that there is no context. The calls that
+ * need one are in tests/gles/test_versions.c. */
 static void gpu(void)
 {
     pupil_gles *gles = room(sizeof *gles);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# callers.sh COMPILER TODAY LATER LATER_HEADERS: caller.c compiled with other headers than the library runs, or is
-# refused before anything is touched. TODAY and LATER are the library as it is, and as a later version may be.
+# callers.sh COMPILER TODAY LATER LATER_HEADERS: caller.c compiled with other headers than the library's either runs, or
+# is refused before anything is touched. TODAY is the present library, LATER one as a later version may be.
 set -eu
 compiler=$1 today=$2 later=$3 later_headers=$4
 here=$(cd "$(dirname "$0")" && pwd)
@@ -58,8 +58,8 @@ pupil_curve refused -22 by pupil_map_rows
 pupil_stats refused -22 by pupil_meter_rows
 REFUSED
 
-# Without its last field a struct is shorter than in any version, or has padding in that place. Outputs are filled in as
-# far as they go.
+# Without its last field a struct is shorter than in any version, or has padding there. Outputs are filled in up to
+# their size.
 while read -r struct result; do
     rm -rf "$work/include"
     sh "$here/vary.sh" removed "$struct" "$work/include"

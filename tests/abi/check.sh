@@ -1,8 +1,8 @@
 #!/bin/sh
-# check.sh: the ABI of the public headers is that of abi.txt, and the objects have room to grow (fill.c).
-# check.sh --update: writes abi.txt. Before the first release of a soname (libpupil.so.0.MINOR) anything may change.
-# After it lines may only be added: fields at the end of a struct that begins with size_bytes, enumerators, functions.
-# The sizes of these structs and enumerators in _COUNT grow with them. Everything else needs another soname.
+# check.sh: the ABI of the public headers is that of abi.txt, and the objects have room to grow (fill.c). check.sh
+# --update: writes abi.txt. Before the first release of a soname (libpupil.so.0.MINOR) anything may change. Afterwards
+# lines may only be added: fields at the end of a struct that begins with size_bytes, enumerators, functions. The sizes
+# of these structs and enumerators in _COUNT grow with them. Everything else needs another soname.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 lib=$here/../../lib

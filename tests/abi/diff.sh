@@ -1,9 +1,9 @@
 #!/bin/sh
 # diff.sh LIBRARY: abidiff between the last release (libpupil.abi, as abidw wrote it) and LIBRARY, which has debug
-# information. Functions may be added; everything else needs another soname. What check.sh lets a struct grow by is written
-# into tests/abi/allowed.abignore, with its reason (abidiff --suppressions); there is nothing yet. Then the same with a dump in which one thing is changed, which must be seen.
-# diff.sh --update LIBRARY: writes libpupil.abi. Only at a release. That of 0.2.0 is of the commit 8d67809, the last one
-# that is in its part of CHANGELOG.md.
+# information. Functions may be added; everything else needs another soname. Growth of a struct that check.sh allows
+# gets an entry with its reason in tests/abi/allowed.abignore (abidiff --suppressions); there is none yet. Then the same
+# with a dump in which one thing is changed: abidiff must find it. diff.sh --update LIBRARY: writes libpupil.abi. Only
+# at a release. The one of 0.2.0 is from commit 8d67809, the last one in its part of CHANGELOG.md.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 headers=$here/../../lib/include dump=$here/libpupil.abi
@@ -25,7 +25,7 @@ trap 'rm -rf "$work"' EXIT
 allowed=
 [ ! -f "$here/allowed.abignore" ] || allowed="--suppressions $here/allowed.abignore"
 
-# $allowed: words, on purpose.
+# $allowed: unquoted on purpose.
 compare() { abidiff --no-added-syms $allowed "$1" "$library" >"$work/log" 2>&1; }
 
 compare "$dump" || {

@@ -1,5 +1,5 @@
-/* fill.c: how much of each object's memory is in use. Fails where less than an eighth is left: an object's size is part
- * of the ABI, and a version with the same soname may need a field more. */
+/* fill.c: how much of each object's memory is in use. Fails if less than an eighth is free: an object's size is part of
+ * the ABI, and a version with the same soname may need another field. */
 #include "core/object.h"
 #include "row_gain/row_gain_private.h"
 #include "sensor/sensor_private.h"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# vary.sh added|removed STRUCTS OUT: the public headers as another version might have them, in OUT/pupil. STRUCTS, or
-# all that begin with size_bytes where that is "all", have one field more at the end, or lack their last one.
+# vary.sh added|removed STRUCTS OUT: the public headers as another version might have them, in OUT/pupil. STRUCTS
+# ("all": every struct that begins with size_bytes) have one more field at the end, or lack their last one.
 set -eu
 how=$1 structs=$2 out=$3
 here=$(cd "$(dirname "$0")" && pwd)
@@ -12,7 +12,7 @@ for header in "$here"/../../lib/include/pupil/*.h; do
         !inside && removed != "" && index($0, "." removed " ") { next } # inline functions
         !inside { print; next }
         { line[++lines] = $0 }
-        # a field, and not the comment that goes on below it
+        # a field, not the rest of its comment below it
         /^    [a-z]/ { last = lines; if (!fields++) grows = / size_bytes;/ }
         /^\} pupil_/ {
             if (grows && (structs == "all" || $0 in wanted)) {

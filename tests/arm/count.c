@@ -1,11 +1,11 @@
-/* Works pixels by every kernel of 64-bit ARM, between marks that count_plugin.c counts.
+/* Processes pixels with every kernel of 64-bit ARM, between marks; count_plugin.c counts the instructions between them.
  *
  *     count_arm kernels   a row of 1920 pixels, everything included that it adds to the statistics; "-rows": 16 rows by
  *                         a public call: level, what is done, input, output, kind of picture, pixels
  *     count_arm plain     one row of 2048 pixels and one of 4096, by a call that needs no option, by the kernels alone,
  *                         and with an option each: what is done, input, by what, pixels
  *
- * A line for each; the plugin adds the number of instructions.
+ * One line each; the plugin adds the number of instructions.
  */
 #include "core/object.h"
 
@@ -16,14 +16,14 @@
 
 enum { WIDTH = 1920, ROWS = 16, WIDEST = 4096 };
 
-/* How a sample is written. */
+/* How a sample is stored. */
 typedef enum kind { FLOATS, HALVES, WORDS, BYTES } kind;
 
-/* Every input format; check_formats has that none is missing. A format with kernels that take ordinary pixels faster
- * than others is worked with hard pictures too. */
+/* Every input format; check_formats checks that none is missing. A format whose kernels have a fast path for ordinary
+ * pixels is also counted with hard pictures. */
 static const struct format {
     const char *name;
-    uint32_t pixel, samples; /* samples of a pixel, where the fourth is alpha */
+    uint32_t pixel, samples; /* samples per pixel; the fourth is alpha */
     kind kind;
     uint32_t bits; /* of an integer sample */
     int has_hard;
@@ -57,7 +57,7 @@ static const struct output {
     {"rgba8", PUPIL_PIXEL_RGBA8}, {"bgrx8", PUPIL_PIXEL_BGRX8}, {"rgb8", PUPIL_PIXEL_RGB8}, {"nv12", PUPIL_PIXEL_NV12}};
 #define OUTPUTS (sizeof outputs / sizeof *outputs)
 
-/* Middle grey of an average of 1/8; no pixel of an ordinary picture is beyond white. */
+/* Middle grey for an average of 1/8; no pixel of an ordinary picture exceeds white. */
 static const pupil_curve curve = {.scale = 0.18f * 8};
 static const pupil_tone tone = {.scale = 0.18f * 8};
 
@@ -78,7 +78,7 @@ static uint32_t random_below(uint32_t n) /* Numerical Recipes' generator */
 }
 
 /* A channel in 1/256 of the clip level. An ordinary picture has most pixels dark, no strong colours, and nothing at the
- * clip level; a hard one has a channel there in one pixel of ten. */
+ * clip level; in a hard one, one pixel in ten has a channel there. */
 static uint32_t channel(uint32_t of_pixel, int hard)
 {
     static uint32_t base;
@@ -172,7 +172,7 @@ static pupil_image target_of(const struct output *o, uint32_t width, uint32_t ro
                          .chroma_stride_bytes = (ptrdiff_t)width};
 }
 
-/* Between the marks: meters where stats is given, maps where out is. */
+/* Between the marks: meters if stats is given, maps if out is. */
 static void between_marks(const pupil_t *pupil, const pupil_image_const *in, const pupil_image *out, pupil_stats *stats,
                           const char *name)
 {
@@ -208,7 +208,7 @@ static const pupil_cones bt709 = {.from_rgb = {0.412221462f, 0.536332548f, 0.051
                                   .to_rgb = {4.07674170f, -3.30771160f, 0.230969921f, -1.26843798f, 2.60975742f,
                                              -0.341319382f, -0.00419608410f, -0.703418612f, 1.70761466f}};
 
-/* One row, or both of a mosaic's quads; what it adds to the statistics is included. output NULL: not mapped. */
+/* One row, or the two rows of a mosaic's quads, including what is added to the statistics. output NULL: not mapped. */
 static void count(const char *what, const struct format *f, const struct output *output, int hard, int meters,
                   int histogram, pupil_way way)
 {
@@ -245,7 +245,7 @@ static void count(const char *what, const struct format *f, const struct output 
     (void)getppid();
 }
 
-/* The rows of a frame, by the public calls; fused is with the histogram of 1920x1080. */
+/* The rows of a frame, by the public calls; fused: with the histogram of 1920x1080. */
 static void count_rows(const char *what, const struct format *f, const struct output *output, int hard, option with)
 {
     static pupil_t pupil;
@@ -258,7 +258,7 @@ static void count_rows(const char *what, const struct format *f, const struct ou
     between_marks(&pupil, &in, output ? &out : 0, output && with == OPTIONS ? 0 : &stats, f->name);
 }
 
-/* NV12 of a camera: neighbours are alike, from dark to bright, in small colours. */
+/* NV12 as from a camera: similar neighbours, from dark to bright, with weak colours. */
 static void fill_smooth(void)
 {
     for (size_t i = 0; i < (size_t)ROWS * WIDTH; i++)
@@ -275,7 +275,7 @@ static void count_format(const struct format *f, int hard)
     count("meter", f, 0, hard, 1, 0, metered);
     count("map", f, outputs, hard, 0, 0, is_mosaic ? PUPIL_WAY_BILINEAR : PUPIL_WAY_PIXELS);
     if (level_counted == PUPIL_LEVEL_SCALAR)
-        return; /* the reference; what the other levels lack is among these */
+        return; /* the reference; kernels that other levels lack are among these */
     count("meter+histogram", f, 0, hard, 1, 1, metered);
     if (is_mosaic)
         count("halve", f, outputs, hard, 0, 0, PUPIL_WAY_BINNED);
@@ -353,8 +353,8 @@ static void bare(const struct format *f, int maps, uint32_t n)
     (void)getppid();
 }
 
-/* A row of n pixels whose mean has a fraction below half a stop: above it pupil_log2, once a row, takes three
- * instructions more, and the rows could not be compared. */
+/* A row of n pixels whose mean has a fraction below half a stop: above that, pupil_log2, which runs once a row, takes
+ * three more instructions, and rows could not be compared. */
 static void fill_plain(const struct format *f, uint32_t n)
 {
     static pupil_t pupil;

@@ -1,11 +1,11 @@
 /* A plugin for qemu: counts the instructions that a program executes between two marks. The mark is the system call
- * getppid, which no C library makes by itself: at every second one the number since the one before goes to standard
- * output. Counts repeat exactly.
+ * getppid, which no C library makes by itself: every second one prints the count since the one before. Counts repeat
+ * exactly.
  *
- * With "blocks=on", then each block that was executed in between: "block", address, instructions, how many times.
+ * With "blocks=on", each block that was executed in between follows: "block", address, instructions, how many times.
  *
- * Debian has no package with qemu's header, so what is used of it is declared here (plugin API 1, qemu 4.2 and later:
- * docs/devel/tcg-plugins).
+ * Debian has no package with qemu's header, so the parts that are used are declared here (plugin API 1, qemu 4.2 and
+ * later: docs/devel/tcg-plugins).
  */
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 #!/bin/sh
-# model.sh: what metering and mapping 1080p30 would take of one core of Cortex-A53, A72 and A76, by a model: the loops
-# that are executed, counted in qemu, times the cycles that llvm-mca gives each of them. docs/boards.md has what the
-# model leaves out. LLVM_MCA names another llvm-mca than llvm-mca-19.
+# model.sh: what metering and mapping 1080p30 would take of one core of Cortex-A53, A72 and A76, by a model: how often
+# each loop is executed, counted in qemu, times its cycles by llvm-mca. docs/boards.md says what the model leaves out.
+# LLVM_MCA names an llvm-mca other than llvm-mca-19.
 set -eu
 cd "$(dirname "$0")"
 . ./build.sh
@@ -13,16 +13,16 @@ arm_build "$work"
 arm_count "$work" kernels ,blocks=on >"$work/blocks"
 aarch64-linux-gnu-objdump -d --no-show-raw-insn "$work/count_arm" >"$work/code"
 
-# LLVM has no model of its own for Cortex-A76, and takes the Cortex-A57's for it without saying so, as for the A72; the
-# Neoverse N1 is the A76's sibling for servers.
+# LLVM has no model of the Cortex-A76 and silently uses that of the Cortex-A57, as for the A72; the Neoverse N1 is the
+# A76's server sibling.
 cores='A53 cortex-a53 1.4
 A72 cortex-a72 1.5
 A76 neoverse-n1 2.4'
 
-# loops WORK: the loops of one line of count_arm's, as assembler in $work/loop.N.s; prints its pixels and instructions,
-# then for each loop N, its function, how often it is executed, its instructions. A loop is a run of instructions, in the
-# order of their addresses, that are executed at least an eighth as often as any of their function (loops over vectors
-# stand beside loops over pixels), up to the branch back.
+# loops WORK: the loops of one line of count_arm, as assembler in $work/loop.N.s; prints the line's pixels and
+# instructions, then for each loop N, its function, how often it is executed, and its instructions. A loop is a run of
+# instructions, in the order of their addresses, that are executed at least an eighth as often as any in their function
+# (vector loops are next to loops over pixels), up to the branch back.
 loops() {
     rm -f "$work"/loop.*
     awk -v work="$1" -v into="$work/loop" '
@@ -93,7 +93,7 @@ loops() {
         END { end_of_function() }' "$work/blocks" "$work/code"
 }
 
-# cycles FILE MODEL: of one turn of a loop, when it goes on
+# cycles FILE MODEL: of one iteration in a long run of the loop
 cycles() {
     for turns in 100 300; do
         "$mca" -mtriple=aarch64 -mcpu="$2" -iterations=$turns "$1" 2>/dev/null |

@@ -1,7 +1,7 @@
 #!/bin/sh
-# test_instructions.sh [ceilings]: how many instructions 64-bit ARM executes for a pixel, counted in qemu: the same on
-# every machine. Each number has a ceiling in ceilings.txt, and a call that needs no option costs what its kernels cost.
-# With "ceilings" it prints ceilings 3 % above what is counted.
+# test_instructions.sh [ceilings]: how many instructions 64-bit ARM executes per pixel, counted in qemu: the same on
+# every machine. Each number has a ceiling in ceilings.txt, and a call without options costs what its kernels cost. With
+# "ceilings" it prints ceilings 3 % above the counts.
 set -eu
 cd "$(dirname "$0")"
 . ./build.sh
@@ -11,8 +11,8 @@ arm_build "$work"
 arm_count "$work" kernels >"$work/kernels"
 arm_count "$work" plain >"$work/plain"
 
-# Level, what is done, input, output, picture, instructions for a pixel: those of plain from the difference between a
-# row and one twice as long, which is free of what is done once a row.
+# Level, what is done, input, output, picture, instructions per pixel. Those of plain are from the difference between a
+# row and one twice as long, in which the work per row cancels.
 awk -v OFMT=%.4f '
     FILENAME ~ /plain$/ {
         key = $1 " " $2 " " $3
@@ -83,8 +83,8 @@ awk '
         exit bad || many || lack || !FNR
     }' ceilings.txt "$work/counted" || status=1
 
-# Options that are not used cost nothing: from one row to the next longer one a call takes exactly as many instructions
-# more as its kernels do. Options that are used cost something, or this could not fail.
+# Unused options cost nothing: between the shorter and the longer row a call grows by exactly as many instructions as
+# its kernels. Options that are used cost something, or this test could not fail.
 awk '
     {
         key = $1 " " $2 " " $3

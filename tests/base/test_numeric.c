@@ -1,5 +1,5 @@
-/* The library's functions of real numbers against those of the C library in long double: the errors that base/numeric.h
- * states, over all of each range, and the ends of it. */
+/* The library's real functions against the C library's in long double: the errors that base/numeric.h states, over each
+ * whole range and at its ends. */
 #include <math.h>
 
 #include "base/numeric.h"
@@ -63,7 +63,7 @@ static void check_ends(void)
     for (int n = -8; n <= 8; n++) {
         check_circle(n / 8.0);
         CHECK(pupil_nearest(n) == n && pupil_nearest(n + 0.25) == n && pupil_nearest(n - 0.25) == n);
-        CHECK(pupil_nearest(n + 0.5) == (n < 0 ? n : n + 1)); /* away from 0 */
+        CHECK(pupil_nearest(n + 0.5) == (n < 0 ? n : n + 1)); /* rounded away from 0 */
     }
 }
 
@@ -73,7 +73,7 @@ int main(int argc, char **argv)
     check_ends();
     for (int i = 0; i < TRIES; i++) {
         check_log2(exp2(between(-1022.0, 1023.0)));
-        check_log2(between(0.5, 2.0)); /* of which log2 is small */
+        check_log2(between(0.5, 2.0)); /* of a small log2 */
         check_exp2(between(-1000.0, 1000.0));
         check_exp2(between(-1.0, 1.0));
         check_one_minus_exp(exp2(between(-60.0, 6.0)));

@@ -1,11 +1,12 @@
-/* Statistics: pupil_stats_add adds each number once, and the larger peak and code stay; the largest weight; rows of a
- * frame whose counted pixels are elsewhere. */
+/* Statistics: pupil_stats_add adds each number once and keeps the larger peak and code; the largest weight; rows of a
+ * frame that counts other pixels. */
 #include "check.h"
 #include "pupil/pupil.h"
 
 #include <string.h>
 
-/* Of k tenths of a frame of 100 rows; no number is 0, and the rests of log2 go beyond a stop together. */
+/* Statistics of k tenths of a frame of 100 rows; no number is 0, and the fractions of log2 add up to more than a
+ * stop. */
 static pupil_stats some_rows(uint64_t k)
 {
     pupil_stats s;
@@ -41,7 +42,7 @@ static void check_sum(uint64_t a, uint64_t b)
     const pupil_stats more = some_rows(b), larger = some_rows(a > b ? a : b);
     pupil_stats sum = some_rows(a), expected = some_rows(a + b);
     CHECK(pupil_stats_add(&sum, &more) == PUPIL_OK);
-    /* 2^40 - a + 2^40 - b is a stop and 2^40 - (a + b) */
+    /* 2^40 - a + 2^40 - b is one stop plus 2^40 - (a + b) */
     expected.log2_sum += 1;
     for (int i = 0; i < 3; i++)
         expected.channel_sum[i] += 1;

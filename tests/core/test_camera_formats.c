@@ -60,8 +60,8 @@ static void check_mapping(const pupil_t *pupil, const pupil_config *config, cons
     const uint32_t step = halved ? 2 : 1, w = f->image.width / step, h = f->image.height / step;
     frame out = frame_make(w, h, PUPIL_PIXEL_RGB8, 0, 0);
     const pupil_image to = frame_writable(&out);
-    /* Half a code, what binary32 rounds, and where light comes from a coded value 7e-6 of light (coding.h), which make
-     * the most codes in the dark: the encoder's slope is 12.92 there. */
+    /* Half a code, the rounding of binary32, and, if light comes from a coded value, 7e-6 of light (coding.h). The
+     * latter is worth most codes in the dark, where the encoder's slope is 12.92. */
     const int coded = !pupil_pixel_is_mosaic(f->image.pixel) && f->image.coding->light != PUPIL_LIGHT_LINEAR;
     const long double limit = 0.51L + (coded ? 7e-6L * curve->scale * 12.92L * 255 : 0);
     CHECK(pupil_map_rows(pupil, curve, &f->image, &to) == PUPIL_OK);
@@ -97,7 +97,7 @@ static pupil_coding a_coding(uint32_t pixel, unsigned n)
         c.shift = n % 5;
     if (n % 2) {
         const float balance[3] = {1.9f, 1, 1.4f};
-        /* a daylight matrix of the usual size; rows sum up to 1 */
+        /* a typical daylight matrix; rows sum to 1 */
         const float matrix[9] = {1.6f, -0.5f, -0.1f, -0.2f, 1.5f, -0.3f, 0.02f, -0.5f, 1.48f};
         memcpy(c.balance, balance, sizeof balance);
         if (n % 4 == 3)
@@ -199,7 +199,7 @@ static void only_10_bits(const frame *f)
     }
 }
 
-/* The pixel x, y of `to` becomes that of `from`, which is of the format that has the same codes. */
+/* Copies the pixel x, y of `from`, whose format has the same codes, to `to`. */
 static void copy_pixel(const frame *to, const frame *from, uint32_t x, uint32_t y)
 {
     const uint32_t pair = x / 2 * 2;
@@ -266,7 +266,7 @@ static void same_codes_same_bits(void)
     for (size_t i = 0; i < sizeof twins / sizeof *twins; i++)
         for (unsigned n = 0; n < 40; n++) {
             const uint32_t w = n < 20 ? 1 + n : 200 + 7 * n, h = 1 + n % 5;
-            const int is_444 = twins[i].pixel == PUPIL_PIXEL_I444_16; /* in full range its codes are no multiples */
+            const int is_444 = twins[i].pixel == PUPIL_PIXEL_I444_16; /* full-range codes are not multiples */
             const pupil_coding coding = {.matrix = n % 3, .range = is_444 ? 0 : n % 2, .light = n % PUPIL_LIGHT_COUNT};
             const pupil_curve curve = {.scale = 0.5f, .inverse_white_squared = 0.05f, .gamut = 3.7f};
             frame a = frame_make(w, h, twins[i].of, 4, n % 3 == 0), b = frame_make(w, h, twins[i].pixel, 8, n % 4 == 0);
@@ -276,7 +276,7 @@ static void same_codes_same_bits(void)
             pupil_t pupil;
             pupil_stats stats_a, stats_b;
             frame_bits(&a, check_uniform);
-            frame_bits(&b, check_uniform); /* what is ignored is not 0 */
+            frame_bits(&b, check_uniform); /* ignored bits are not 0 */
             if (twins[i].of == PUPIL_PIXEL_I420_10)
                 only_10_bits(&a);
             for (uint32_t y = 0; y < h; y++)
@@ -290,7 +290,7 @@ static void same_codes_same_bits(void)
             pupil_stats_clear(&stats_b);
             CHECK(pupil_fused_rows(&pupil, &curve, &a.image, 0, h, &out_a, &stats_a) == PUPIL_OK);
             CHECK(pupil_fused_rows(&pupil, &curve, &b.image, 0, h, &out_b, &stats_b) == PUPIL_OK);
-            if (is_444) { /* the first code of 16 bits: less than that of 10 by 2^6, or with a curve more */
+            if (is_444) { /* first code of 16 bits: 2^6 times less light than that of 10; with a curve even less */
                 CHECK(stats_b.code_light > 0.0f && stats_b.code_light < stats_a.code_light / 32);
                 stats_b.code_light = stats_a.code_light;
             }
@@ -315,8 +315,9 @@ static float light_of(const pupil_image_const *image)
     return stats.peak;
 }
 
-/* On a code, light is the curve's to the nearest float: grey of each 10-bit code as RGB10A2 and as I420_10 of full
- * range, in PQ and HLG. And P010 of limited range, whose codes are between the table's, within what coding.h says. */
+/* At a table's code, light is the curve's value, rounded to the nearest float: grey of each 10-bit code as RGB10A2 and
+ * as full-range I420_10, in PQ and HLG. Limited-range P010, whose codes are between the table's, is within the bound of
+ * coding.h. */
 static void hdr_light(void)
 {
     double most[2] = {0, 0};
@@ -382,7 +383,7 @@ static void bgr_out(void)
     }
 }
 
-/* Full range without colour is sRGB grey: the codes of RGB8, bit for bit. */
+/* Full range without colour is sRGB grey: bit for bit the codes of RGB8. */
 static void grey_is_grey(void)
 {
     frame yuv = frame_make(256, 2, PUPIL_PIXEL_NV12, 0, 0), rgb = frame_make(256, 2, PUPIL_PIXEL_RGB8, 0, 0);
@@ -408,14 +409,14 @@ static void grey_is_grey(void)
     frame_free(&rgb);
 }
 
-/* A sensor that is full everywhere is white and clipped, with any balance: not magenta. */
+/* A sensor that is saturated everywhere gives white and clipped, with any balance, not magenta. */
 static void full_is_white(void)
 {
     for (unsigned n = 0; n < 200; n++) {
         frame f = frame_make(16, 4, PUPIL_PIXEL_BAYER12, 0, 0), out = frame_make(16, 4, PUPIL_PIXEL_RGB8, 0, 0);
         const pupil_image to = frame_writable(&out);
         pupil_coding coding = {.bayer = n % 4, .black = (float)(check_uniform() * 300)};
-        const pupil_curve curve = {.scale = 1, .inverse_white_squared = 1}; /* what is 1 stays 1 */
+        const pupil_curve curve = {.scale = 1, .inverse_white_squared = 1}; /* a channel at 1 stays at 1 */
         pupil_config config;
         pupil_t pupil;
         pupil_stats stats;
@@ -491,7 +492,7 @@ static void nv12_out(void)
                 const unsigned char *p = row_at(&rgb.image, y) + 3 * x;
                 const long double l = (kr * p[0] + (1 - kr - kb) * p[1] + kb * p[2]) / 255;
                 long double error = fabsl(row_at(&yuv.image, y)[x] - ((n % 2 ? 0 : 16) + luma * l));
-                for (uint32_t k = 0; k < 4; k++) { /* the pixels of its quad that there are */
+                for (uint32_t k = 0; k < 4; k++) { /* those pixels of its quad that exist */
                     const uint32_t qx = x / 2 * 2 + k % 2 < w ? x / 2 * 2 + k % 2 : w - 1;
                     const uint32_t qy = y / 2 * 2 + k / 2 < h ? y / 2 * 2 + k / 2 : h - 1;
                     for (int c = 0; c < 3; c++)
@@ -513,8 +514,8 @@ static void nv12_out(void)
     CHECK(most < 0.51L);
 }
 
-/* Mosaics at the ends of what is metered by the fast way: a clip below the coding's white, a floor below its own, and
- * factors that make a luminance of more than it has room for. Every level has the scalar one's bits, and the level of a
+/* Mosaics at the limits of the fast metering path: a clip below the coding's white, a floor below the path's own, and
+ * factors that make a luminance beyond its range. Every CPU level has the bits of the scalar one, and the level of a
  * flat frame is what the coding says. */
 static void mosaic_extremes(void)
 {

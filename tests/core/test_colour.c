@@ -1,4 +1,4 @@
-/* What mapping keeps: grey, order of brightness; and frames that were already well exposed.
+/* What mapping keeps: grey, the order of brightness, and frames that are already well exposed.
  */
 #include "check.h"
 #include "frames.h"
@@ -15,7 +15,7 @@ static void map(const pupil_config *config, const pupil_curve *curve, const fram
     CHECK(pupil_map_rows(&pupil, curve, &in->image, &to) == PUPIL_OK);
 }
 
-/* Grey in, equal codes out, and brighter is never darker. */
+/* Grey in gives equal codes out, and brighter input is never darker. */
 static void check_grey(void)
 {
     static const pupil_curve curve[] = {{.scale = 1, .inverse_white_squared = 1},
@@ -49,8 +49,8 @@ static void check_grey(void)
             }
 }
 
-/* Rec. ITU-R BT.2087-0, Annex 2, table of the matrix from BT.709 to BT.2020, in light of 8 bits; and back, where the
- * colours of BT.2020 that BT.709 lacks have a component at 0. */
+/* Rec. ITU-R BT.2087-0, Annex 2, table of the matrix from BT.709 to BT.2020, in light of 8 bits; and back, where
+ * BT.2020 colours outside BT.709 have a component at 0. */
 static void check_primaries(void)
 {
     static const double to_bt2020[3][3] = {
@@ -108,8 +108,8 @@ static void check_same_light(void)
     CHECK_MSG(fabs(level[1] - level[0]) <= 1e-7, "%.9f and %.9f", level[0], level[1]);
 }
 
-/* The brightest channel of the statistics is that of the picture, by whichever way they come; all else of them is what
- * it is without output_primaries. */
+/* The brightest channel in the statistics is the picture's, regardless of how they were made; the rest of the
+ * statistics does not depend on output_primaries. */
 static void check_peak(uint32_t pixel, uint32_t primaries, uint32_t output_primaries)
 {
     const pupil_coding pq = {.light = PUPIL_LIGHT_PQ, .matrix = PUPIL_MATRIX_BT2020, .range = PUPIL_RANGE_FULL};
@@ -153,8 +153,8 @@ static void check_peak(uint32_t pixel, uint32_t primaries, uint32_t output_prima
     frame_free(&out);
 }
 
-/* A frame that is already well exposed, white point 1: at most one code of change in any channel. With the default, a
- * white point that follows, too, regardless of the share of the frame that is clipped. */
+/* A frame that is already well exposed, with white point 1: any channel changes by at most one code. Also with the
+ * default, a following white point, regardless of the clipped share. */
 static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, double clipped)
 {
     pupil_config config;
@@ -199,16 +199,16 @@ static void check_identity(uint32_t pixel, uint32_t white_mode, uint32_t order, 
     frame_free(&out);
 }
 
-/* What bends bright colours needs cones that see all primaries. Where a matrix has none, as a luminance row alone,
- * those of BT.709 are taken, so that all these have one picture; and a matrix that is sound has its own. */
+/* Gamut handling of bright colours needs cones that see all primaries. If a matrix has none, for example only a
+ * luminance row, those of BT.709 are used, so all such matrices give the same picture. A sound matrix gives its own. */
 static void check_cones(void)
 {
     static const struct {
         float x[3], z[3];
     } other_rows[] = {{{0, 0, 0}, {0, 0, 0}},
-                      {{-1, -1, -1}, {0, 0, 0}},                    /* less than nothing */
+                      {{-1, -1, -1}, {0, 0, 0}},                    /* negative */
                       {{1e5f, 1e5f, 1e5f}, {0, 0, 0}},              /* far too much */
-                      {{1, 0, -0.6f}, {0.1f, 0.2f, 0.3f}},          /* not of each */
+                      {{1, 0, -0.6f}, {0.1f, 0.2f, 0.3f}},          /* not for each primary */
                       {{0.25f, 0.5f, 0.25f}, {0.25f, 0.5f, 0.25f}}, /* singular */
                       {{0.4f, 0.36f, 0.18f}, {0.02f, 0.12f, 0.95f}}};
     enum { SOUND = 5 };
@@ -232,8 +232,8 @@ static void check_cones(void)
     frame_free(&first);
 }
 
-/* A mosaic's brightest channel is that of its quads as they are, whatever primaries the picture has; and where there
- * are no bins, the picture is the same. */
+/* A mosaic's brightest channel is that of its unconverted quads, regardless of the picture's primaries; without bins,
+ * the picture is the same. */
 static void check_primaries_and_bins(void)
 {
     frame mosaic = frame_make(32, 32, PUPIL_PIXEL_BAYER12, 0, 0), in = frame_make(33, 9, PUPIL_PIXEL_RGB32F, 0, 0);

@@ -1,4 +1,4 @@
-/* Companded codes: a ramp of every code, and a mosaic of it, are their linear twins. */
+/* Companded codes: a ramp of every code, and a mosaic of it, give the same results as their linear twins. */
 #include "check.h"
 #include "frames.h"
 #include "pupil/pupil.h"
@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A 12-bit ramp of 16 bits of light: slopes 1, 4, 16 and 30, as car sensors have them. The twin of each code is whole.
+/* A 12-bit ramp of 16 bits of light: slopes 1, 4, 16 and 30, as car sensors have them. The linear twin of each code is
+ * an integer.
  */
 #define WHITE 65506
 static const uint32_t knee_code[3] = {1024, 1536, 2560}, knee_linear[3] = {1024, 3072, 19456};
@@ -33,7 +34,7 @@ static pupil_coding companded_coding(void)
     return c;
 }
 
-/* Metered and mapped alike: to the rounding of a float. */
+/* Metered and mapped alike, up to the rounding of a float. */
 static void check_twins(const frame *companded, const frame *linear, const char *what)
 {
     const uint32_t w = companded->image.width, h = companded->image.height;
@@ -100,7 +101,7 @@ static void check_ramp(uint32_t companded_pixel, uint32_t linear_pixel, const ch
     frame_free(&linear);
 }
 
-/* Of any knees the largest code is the light 1, and counts as clipped: no rounding takes it away. */
+/* With any knees the largest code is light 1 and counts as clipped: rounding does not change that. */
 static void white_is_full(void)
 {
     pupil_config config;
@@ -127,7 +128,7 @@ static void white_is_full(void)
     }
 }
 
-/* PQ with one code above black: its light, 100 times white, counts as white, which is the most that statistics take. */
+/* PQ with one code above black: its light, 100 times white, counts as white, the maximum in statistics. */
 static void only_code(void)
 {
     const pupil_coding coding = {.black = 254, .light = PUPIL_LIGHT_PQ};

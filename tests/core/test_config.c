@@ -1,5 +1,5 @@
-/* Every field of the config, one violation at a time: refused, named in the sentence, and nothing touched. The
- * defaults, both ends of every range, and the metering patterns.
+/* Every field of the config, one violation at a time: it is refused, the sentence names the field, and nothing is
+ * touched. The defaults, both ends of every range, and the metering patterns.
  */
 #include "check.h"
 #include "pupil/pupil.h"
@@ -106,7 +106,7 @@ static void check_ranges(void)
                 store(&config, r, NAN);
             else
                 continue;
-            /* the two ends of one range may be blamed for each other */
+            /* either end of a range may be named for the other */
             refused(&config, r->name,
                     !strncmp(r->name, "trim", 4)   ? "trim_"
                     : !strncmp(r->name, "ev_m", 4) ? "ev_m"
@@ -133,7 +133,7 @@ static void check_the_rest(void)
         config.primaries = PUPIL_PRIMARIES_MATRIX;
         refused(&config, "rgb_to_xyz", NULL);
     }
-    pupil_config_default(&config); /* the luminance row alone leads to no other primaries */
+    pupil_config_default(&config); /* a luminance row alone cannot be converted to other primaries */
     memcpy(config.rgb_to_xyz + 3, (const float[3]){0.2f, 0.7f, 0.1f}, 3 * sizeof(float));
     config.primaries = PUPIL_PRIMARIES_MATRIX;
     CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
@@ -149,7 +149,7 @@ static void check_the_rest(void)
     const float green_first[9] = {700, 400, 100, 700, 200, 100, 0, 0, 100}; /* the determinant is negative */
     memcpy(config.rgb_to_xyz, green_first, sizeof green_first);
     CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
-    for (int i = 0; i < 3; i++) { /* outside the luminance row: read for other primaries only */
+    for (int i = 0; i < 3; i++) { /* outside the luminance row: only read for conversion to other primaries */
         config.rgb_to_xyz[6] = i == 0 ? NAN : i == 1 ? 2e6f : -2e6f;
         config.output_primaries = PUPIL_OUTPUT_BT709;
         refused(&config, "rgb_to_xyz", NULL);
@@ -169,15 +169,15 @@ static void check_the_rest(void)
     pupil_config_default(&config);
     config.key_points = PUPIL_KEY_POINTS + 1;
     refused(&config, "key_points", NULL);
-    config.key_points = 2; /* of no key */
+    config.key_points = 2; /* without a key */
     refused(&config, "key_at", NULL);
     config.key_at[0] = (pupil_key_point){0, 0.1};
-    config.key_at[1] = (pupil_key_point){1, 0.2}; /* a stop for one of light */
+    config.key_at[1] = (pupil_key_point){1, 0.2}; /* one stop per stop of light */
     refused(&config, "key_at", NULL);
     config.key_at[1].scene_ev = 2;
     CHECK(pupil_config_check(&config, &why) == PUPIL_OK);
     CHECK(pupil_config_check(NULL, &why) == PUPIL_ERR_NULL);
-    pupil_config_default(NULL); /* says nothing, does nothing */
+    pupil_config_default(NULL); /* does nothing, without an error */
 }
 
 static void check_defaults(void)
@@ -225,8 +225,8 @@ static void check_patterns(void)
     CHECK(abs(c.weight[8][8] - 128) <= 1 && c.weight[8][9] == 0 && c.weight[7][8] == 0);
     CHECK(pupil_metering_roi(&c, 0, 0, 1, 1) == PUPIL_OK && c.weight[0][0] == 255 && c.weight[15][15] == 255);
     CHECK(pupil_metering_roi(&c, 0.999999, 0.999999, 1e-6, 1e-6) == PUPIL_OK);
-    CHECK(pupil_config_check(&c, NULL) == PUPIL_OK); /* however small, it meters something */
-    for (int i = 0; i < 100; i++) /* with any sum of two rounded fractions, no whole per cents are outside */
+    CHECK(pupil_config_check(&c, NULL) == PUPIL_OK); /* even the smallest region meters something */
+    for (int i = 0; i < 100; i++) /* for any sum of two rounded fractions, whole per cents are never outside */
         CHECK_MSG(pupil_metering_roi(&c, i / 100.0, 0, (100 - i) / 100.0, 1) == PUPIL_OK, "%d %%", i);
     static const double bad[][4] = {{-0.01, 0, 1, 1},    {0, -0.01, 1, 1}, {0, 0, 1.01, 1},       {0, 0, 1, 1.01},
                                     {0, 0, 0, 1},        {0, 0, 1, 0},     {0.5, 0, 0.51, 1},     {0, 0.5, 1, 0.51},

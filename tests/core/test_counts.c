@@ -1,4 +1,4 @@
-/* Counts, histogram and bands, pixel for pixel; quantiles and trimmed means against sorted luminances. */
+/* Counts, histogram and bands are checked pixel for pixel; quantiles and trimmed means against sorted luminances. */
 #include "check.h"
 #include "frames.h"
 #include "reference.h"
@@ -84,7 +84,7 @@ static void check_all_kinds(void)
         }
 }
 
-/* Which frame values fall where, by example, without the reference. */
+/* Which values fall into which count or bin, by example, without the reference. */
 static void check_examples(void)
 {
     static const struct {
@@ -223,7 +223,7 @@ static void check_order(void)
     frame_gradient(&f, 1e-4, 10);
     compare_order("gradient", &config, &f, 1.5e-3);
     frame_free(&f);
-    /* Hard ones: all that the histogram promises is the bin. */
+    /* Hard frames: the histogram only promises the bin. */
     f = frame_make(31, 17, PUPIL_PIXEL_RGB32F, 0, 0);
     frame_odd(&f, check_uniform);
     compare_order("odd", &config, &f, 0.17);
@@ -234,7 +234,7 @@ static void check_order(void)
     frame_free(&f);
 }
 
-/* As the trim goes to nothing the trimmed mean tends to the untrimmed one. */
+/* As the trim goes to 0 the trimmed mean goes to the untrimmed one. */
 static void check_trim_limit(void)
 {
     pupil_config config;

@@ -1,5 +1,6 @@
-/* Curves from the histogram: each knot against its formula in double, and the picture by it; equal shares for equal
- * codes; no contrast above the ceiling, on the way from one frame to another, too; and no jump when a lamp goes on.
+/* Curves from the histogram: each knot and the picture against the formulas in double; equal shares for equal codes;
+ * contrast never above the ceiling, not even on the way from one frame to another; and no jump when a lamp is switched
+ * on.
  */
 #include "check.h"
 #include "frames.h"
@@ -71,7 +72,7 @@ static double below(const pupil_stats *s, double y)
     return sum / (double)s->weight;
 }
 
-/* What a table is made from: a frame's statistics, and where level and white point are to go. */
+/* What a table is made from: a frame's statistics, and the targets of level and white point. */
 typedef struct scene {
     const pupil_config *config;
     const pupil_stats *stats;
@@ -99,7 +100,7 @@ static double decode(uint32_t transfer, double code)
     return transfer == PUPIL_TRANSFER_SRGB ? srgb : transfer == PUPIL_TRANSFER_LINEAR ? code : pow(code, 2.2);
 }
 
-/* As the paper does it: what is above the ceiling is cut off, and the ceiling found anew, until nothing is. */
+/* As in the paper: cut off what is above the ceiling and recompute the ceiling, until nothing is above it. */
 static void adjust(const scene *s, double root[KNOTS])
 {
     const pupil_config *c = s->config;
@@ -159,7 +160,7 @@ static void table_of(const scene *s, double root[KNOTS])
         adjust(s, root);
 }
 
-/* --- against them --- */
+/* --- against the formulas --- */
 
 static double most_off;
 
@@ -171,7 +172,7 @@ static double code_of(uint32_t transfer, double root)
     return 255.0 * (light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1.0 / 2.4) - 0.055);
 }
 
-/* The knots; and the pixels of the picture, one by one. */
+/* Checks the knots, and each pixel of the picture. */
 static void check_picture(const pupil_t *pupil, const scene *s, const pupil_frame_info *info, const double root[KNOTS],
                           const frame *in, int kind)
 {
@@ -208,7 +209,7 @@ static void check_picture(const pupil_t *pupil, const scene *s, const pupil_fram
     frame_free(&out);
 }
 
-/* Six frames: the first sets the table, the others are followed as the level is. */
+/* Six frames: the first sets the table; it follows the others as the level does. */
 static void check_formulas(uint32_t curve, int kind, double exposure_s, uint32_t transfer)
 {
     pupil_config config, at_once;
@@ -251,7 +252,8 @@ static void check_formulas(uint32_t curve, int kind, double exposure_s, uint32_t
 
 /* --- equalise: equal shares --- */
 
-/* `end`: how many cells are looked at; where a ramp does not end with a bin, the last one is spread over all of it. */
+/* `end`: how many cells are checked. If a ramp does not end at a bin's edge, its last bin is spread over the whole
+ * bin. */
 static void check_flat(int logarithmic, double from, int end)
 {
     const uint32_t width = PUPIL_MAX_SIDE_PX;
@@ -267,7 +269,7 @@ static void check_flat(int logarithmic, double from, int end)
     pupil_config_default(&config);
     config.curve = PUPIL_CURVE_EQUALISE;
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_process(&pupil, &in.image, NULL, &to) == PUPIL_OK);
-    uint32_t counted = 0; /* a code is what rounds to it: the first and the last are half as wide */
+    uint32_t counted = 0; /* a code stands for all values that round to it: the first and the last are half as wide */
     for (int cell = 0; cell < 32; cell++) {
         uint32_t inside = 0;
         for (uint32_t x = 0; x < width; x++) {
@@ -308,7 +310,7 @@ static double steepest(const pupil_curve *curve)
     return most;
 }
 
-/* Any frame, then any other, of which each moves the level at once by up to 20 stops. */
+/* Any frame, then any other; each moves the level at once, by up to 20 stops. */
 static void check_ceiling(double ceiling)
 {
     pupil_config config;
@@ -338,8 +340,8 @@ static double display_code(const pupil_curve *c, double y)
     return code_of(0, sqrt(fmin(1.0, c->knots ? light_at(c, (double)c->knot_scale * y) : u * (1 + u * w) / (1 + u))));
 }
 
-/* The most that any luminance's code moves from one frame to the next, when light goes up by 8 stops, and down again.
- * And in all of these steps together, backwards: how far a code goes away from where it ends. */
+/* The most that any luminance's code moves from one frame to the next, when light goes up by 8 stops and down again.
+ * And over all these steps, how far a code moves away from its final value. */
 static double jump(uint32_t curve, int kind, int part)
 {
     pupil_config config;
@@ -358,7 +360,7 @@ static double jump(uint32_t curve, int kind, int part)
         }
         pupil_curve found;
         CHECK(pupil_meter(&pupil, &in.image, &info) == PUPIL_OK && pupil_get_curve(&pupil, &info, &found) == PUPIL_OK);
-        found.levels = 0; /* steps of brightness are not steps in time */
+        found.levels = 0; /* brightness may have steps; time must not */
         for (int i = 0; i < 60; i++) {
             const double code = display_code(&found, exp2(i / 2.0 - 16.0));
             most = n ? fmax(most, fabs(code - before[i])) : most;
@@ -399,8 +401,8 @@ static void show(pupil_t *pupil, double light, int64_t timestamp_ns, pupil_curve
     frame_free(&f);
 }
 
-/* Knots that begin have no past: until a frame has been seen there are none, and then they are at once that frame's.
- * From one kind of curve to another they go on. */
+/* Knots begin without a past: before the first frame there are none, and then they are at once that frame's. A change
+ * to another kind of curve keeps their past. */
 static void check_beginning(void)
 {
     pupil_config config;
@@ -445,7 +447,7 @@ static void check_white_modes(void)
     }
 }
 
-/* Knots above the brightest light that there is: all of the frame is below them. */
+/* Knots above the brightest light of the frame: the whole frame is below them. */
 static void check_brightest(void)
 {
     pupil_config config;
@@ -462,8 +464,8 @@ static void check_brightest(void)
     }
 }
 
-/* The level falls by more stops than the knots have: as it ever was, flat above and in proportion below, and at the end
- * as if there had been no past. */
+/* The level falls by more stops than the knots cover: at first as before, flat above and proportional below, and in the
+ * end as if there had been no past. */
 static void check_fall(void)
 {
     pupil_config config;

@@ -1,5 +1,5 @@
-/* Ordered dither: the same in parts as in the whole; nothing where light is a code already; and the mean of a place of
- * 8 x 8 pixels is the light, where plain rounding has bands.
+/* Ordered dither: the same in parts as in the whole; no change where light is exactly a code; and the mean over 8 x 8
+ * pixels is the light, where plain rounding has bands.
  */
 #include "check.h"
 #include "frames.h"
@@ -19,7 +19,7 @@ static void map(const pupil_config *config, const pupil_curve *curve, const fram
     CHECK(pupil_map_rows(&pupil, curve, &in->image, &to) == PUPIL_OK);
 }
 
-/* Of a mosaic to half its size, too. */
+/* Also of a mosaic mapped to half its size. */
 static void check_parts(uint32_t pixel, uint32_t out_pixel, int halved, int level)
 {
     enum { WIDTH = 70, HEIGHT = 24 };
@@ -57,7 +57,7 @@ static void check_parts(uint32_t pixel, uint32_t out_pixel, int halved, int leve
     frame_free(&fused);
 }
 
-/* Every 8-bit code at every place, in three channels. */
+/* Every 8-bit code at every position, in three channels. */
 static void check_codes_stay(void)
 {
     pupil_config config;
@@ -72,7 +72,7 @@ static void check_codes_stay(void)
     frame_free(&out);
 }
 
-/* Grey of one light over 8 x 8 pixels, at a place that is no multiple of 8. */
+/* 8 x 8 pixels of one grey, at a position that is not a multiple of 8. */
 static void check_means(uint32_t transfer)
 {
     pupil_config config;

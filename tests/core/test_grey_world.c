@@ -1,4 +1,4 @@
-/* The sums of a mosaic's channels, and the white balance that they lead to. */
+/* The sums of a mosaic's channels, and the white balance computed from them. */
 #include <math.h>
 #include <string.h>
 
@@ -13,7 +13,7 @@ static int colour_at(const pupil_coding *c, uint32_t x, uint32_t y)
     return order[c->bayer][y % 2 * 2 + x % 2] - '0';
 }
 
-/* The gains are those that were taken out of a grey scene, regardless of the balance it was metered with. */
+/* The gains undo the cast of a grey scene, regardless of the balance that it was metered with. */
 static void grey_world(void)
 {
     for (int n = 0; n < 50; n++) {
@@ -60,14 +60,14 @@ static void grey_world(void)
         memcpy(none.channel_sum, sum, sizeof sum);
         CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_NO_LIGHT && balance[0] == 5);
     }
-    none.channel_sum[2] = 3; /* more than a coding takes */
+    none.channel_sum[2] = 3; /* beyond a coding's range */
     CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_OK);
     CHECK(balance[0] == 1.0f && balance[1] == 1.0f && balance[2] == 1024.0f);
     none.black = 5;
     CHECK(pupil_stats_grey_world(&none, balance) == PUPIL_ERR_STATS && balance[2] == 1024.0f);
 }
 
-/* A colourful frame up to full, against its samples, with balances that clip much of what is not full. */
+/* A colourful frame up to saturation, against its samples, with balances that clip many unsaturated samples. */
 static void grey_world_sums(void)
 {
     for (unsigned n = 0; n < 60; n++) {
@@ -110,7 +110,7 @@ static void grey_world_sums(void)
     }
 }
 
-/* Companded samples far below black count as the largest light, with a minus sign, and no more than that. */
+/* Companded samples far below black count as at most the largest light, negated. */
 static void far_below_black(void)
 {
     frame f = frame_make(4, 2, PUPIL_PIXEL_BAYER12, 0, 0);

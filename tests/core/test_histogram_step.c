@@ -35,7 +35,7 @@ static uint64_t sum_of(const uint64_t *bin, int count)
     return sum;
 }
 
-/* One bright pixel after the other: those that are counted, and for how many. */
+/* One bright pixel after the other: which are counted, and as how many. */
 static void one_pixel_of_each_cell(uint32_t width, uint32_t height, uint32_t step)
 {
     const pupil_t pupil = begin(step, 0, 0);
@@ -70,7 +70,7 @@ static void one_pixel_of_each_cell(uint32_t width, uint32_t height, uint32_t ste
     frame_free(&f);
 }
 
-/* The sum of the bins is that of the weights, and any split has the bits of the whole. */
+/* The bins add up to the sum of the weights, and any split has the bits of the whole. */
 static void any_split(uint32_t pixel, uint32_t width, uint32_t height)
 {
     frame f = frame_make(width, height, pixel, 0, 0);
@@ -97,7 +97,7 @@ static void any_split(uint32_t pixel, uint32_t width, uint32_t height)
     frame_free(&f);
 }
 
-/* Rows of which none is counted: sound, and without quantiles. */
+/* Rows without a counted pixel: valid statistics, no quantiles. */
 static void some_rows_alone(void)
 {
     frame f = frame_make(64, 512, PUPIL_PIXEL_RGB32F, 0, 0);
@@ -123,7 +123,7 @@ static void some_rows_alone(void)
     frame_free(&f);
 }
 
-/* By the frame's size: what config.h says. */
+/* The step by the frame's size, as config.h says. */
 static void by_size(uint32_t width, uint32_t height, uint32_t expected)
 {
     frame f = frame_make(width, height, PUPIL_PIXEL_GREY8, 0, 0);
@@ -136,7 +136,7 @@ static void by_size(uint32_t width, uint32_t height, uint32_t expected)
     frame_free(&f);
 }
 
-/* Bins are gathered for whatever reads them, and for nothing else: of every kind of frame. */
+/* Bins are gathered only if something reads them, for every kind of frame. */
 static void only_where_they_are_read(void)
 {
     static const uint32_t pixels[] = {PUPIL_PIXEL_RGB8, PUPIL_PIXEL_NV12, PUPIL_PIXEL_BAYER12};

@@ -1,4 +1,4 @@
-/* Colours beyond the display's gamut, as display light: their hue and chroma in Oklab, from black to white. Lamps and
+/* Colours beyond the display's gamut: hue and chroma of their display light in Oklab, from black to white. Lamps and
  * surfaces of known colours, in fine steps of exposure.
  */
 #include "check.h"
@@ -120,7 +120,7 @@ static double luminance_of(uint32_t primaries, const double rgb[3])
     return luma[primaries][0] * rgb[0] + luma[primaries][1] * rgb[1] + luma[primaries][2] * rgb[2];
 }
 
-/* What is seen of one light. */
+/* What is measured for one light. */
 typedef struct figures {
     double turn, jump, fall; /* the largest of each */
     unsigned moved;          /* of display luminance 0.1 to 0.9, how many were; and what they are */
@@ -205,9 +205,9 @@ static void check_light(const light *of, uint32_t primaries, unsigned which)
         printf("%-12s curve %u: hue turned by %.2f degrees at most, chroma kept %.2f, and %.2f of the gamut's; "
                "largest step %.4f\n",
                of->name, which, f.turn, kept, full, f.jump);
-    /* the largest turn is where a blue would be less than nothing of red */
+    /* the largest turn is where a blue would have negative red */
     CHECK_MSG(f.turn <= 0.3, "%s: turned by %g degrees", of->name, f.turn);
-    /* of 0.09 % of light; with a white point of 1, yellow goes from its full colour to white in 0.1 stops */
+    /* per step of 0.09 % of light; with a white point of 1, yellow goes from full colour to white in 0.1 stops */
     CHECK_MSG(f.jump <= (which == 2 ? 0.025 : 0.005), "%s: a step of %g", of->name, f.jump);
     CHECK_MSG(f.fall <= 1e-6, "%s: darker by %g", of->name, f.fall);
     CHECK_MSG(!of->is_warm || kept >= 0.6, "%s: chroma kept %g", of->name, kept);
@@ -216,7 +216,7 @@ static void check_light(const light *of, uint32_t primaries, unsigned which)
     frame_free(&out);
 }
 
-/* From grey to a light of the same luminance: no step, where the gamut begins to matter either. */
+/* From grey to a light of the same luminance: no step, not even where gamut handling begins. */
 static void check_saturation(const light *of, double display)
 {
     frame in = frame_make(STEPS, 1, PUPIL_PIXEL_RGB32F, 0, 0), out = frame_make(STEPS, 1, PUPIL_PIXEL_RGB32F, 0, 0);

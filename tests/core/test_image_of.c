@@ -6,7 +6,7 @@
 
 #define GUARD 64
 
-/* A plane's rows without their padding, at `to`, or back from there. */
+/* Copies a plane's rows without their padding to `to`, or back. */
 static unsigned char *copy_plane(const void *plane, ptrdiff_t stride, size_t row_bytes, uint32_t rows,
                                  unsigned char *to, int back)
 {
@@ -85,7 +85,7 @@ static void check_output(pupil_t *pupil, uint32_t pixel, uint32_t width, uint32_
     frame_free(&back);
 }
 
-/* The sentence of PUPIL_ERR_PIXEL_OUT names the formats that can be written, and no others. */
+/* The sentence of PUPIL_ERR_PIXEL_OUT names exactly the formats that can be written. */
 static void check_sentence(pupil_t *pupil)
 {
 #define NAME(pixel) [PUPIL_PIXEL_##pixel] = " " #pixel

@@ -1,4 +1,4 @@
-/* Outputs of linear display light: encoding them gives the codes of the 8-bit outputs; halves are the floats, rounded;
+/* Outputs of linear display light: encoding them gives the codes of the 8-bit outputs; halves are the rounded floats;
  * alpha; and I420, which is NV12 in three planes. */
 #include "check.h"
 #include "frames.h"
@@ -71,7 +71,7 @@ static void check_light(const frame *in, const pupil_config *config, const pupil
                 figures.samples++;
                 figures.half_off += of_half != code[c];
             }
-            /* alpha: its code is rounded from a number that is at most 2^-17 of a code off */
+            /* alpha: its code is rounded from a number with an error of at most 2^-17 of a code */
             CHECK_MSG(fabs(255.0 * (double)light[3] - code[3]) <= 0.5 + 0x1p-15, "alpha %g, code %d", light[3],
                       code[3]);
         }

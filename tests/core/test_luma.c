@@ -1,5 +1,5 @@
-/* PUPIL_ACCURACY_LUMA: grey has the exact bits, other colours are near them, any split and level has the same, and what
- * cannot go by luma is exact.
+/* PUPIL_ACCURACY_LUMA: grey has the bits of exact mapping, other colours are near them, every split and CPU level gives
+ * the same, and what cannot be mapped by luma is mapped exactly.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -45,14 +45,14 @@ static frame map(const frame *f, uint32_t accuracy, uint32_t level, const pupil_
     return to;
 }
 
-/* Any, or up and down. */
+/* Random, or up and down. */
 static uint8_t some_luma(uint32_t kind, uint32_t x, uint32_t y)
 {
     const uint32_t turn = (x + 7 * y) % 510;
     return (uint8_t)(kind == 2 ? check_random() : turn < 256 ? turn : 510 - turn);
 }
 
-/* 0: grey, 1: small colours, 2: any codes. */
+/* 0: grey, 1: weak colours, 2: any codes. */
 static uint8_t some_chroma(uint32_t kind)
 {
     return kind == 0 ? 128 : kind == 1 ? (uint8_t)(112 + check_random() % 33) : (uint8_t)check_random();
@@ -93,7 +93,7 @@ static void fill(frame *f, uint32_t kind)
         fill_planes(f, kind);
 }
 
-/* A frame to a format, at every level; grey as it is mapped exactly. */
+/* Maps a frame to a format at every CPU level; grey as by exact mapping. */
 static void same_bits_of(const frame *f, uint32_t kind, const pupil_curve *curve, uint32_t out)
 {
     frame luma = map(f, PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR, curve, out);
@@ -160,7 +160,7 @@ static void any_split(void)
     frame_free(&parts);
 }
 
-/* Rows that are no whole number of samples wide, or narrower than one, and end with a column alone: any split gives the
+/* Widths that are not a whole number of samples, or less than one, with a single column at the end: any split gives the
  * same, and the level is that of all pixels. */
 static void odd_sides(uint32_t pixel, uint32_t width, uint32_t height)
 {
@@ -194,7 +194,7 @@ static size_t bytes_of_rows(const frame *f, int plane)
                  : pupil_row_bytes(f->image.pixel, f->image.width);
 }
 
-/* In codes of what comes out, of colours as cameras have them and of any. */
+/* Errors in output codes, of colours as from cameras and of any colours. */
 static void errors(uint32_t kind, uint32_t out, const char *what, double mean_limit, unsigned most_limit)
 {
     frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
@@ -242,7 +242,7 @@ static void level_of_a_sample(uint32_t pixel)
     frame_free(&f);
 }
 
-/* One frame by both accuracies, each with codings of its own. */
+/* One frame at both accuracies, each with its own codings. */
 static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_coding *into, pupil_curve curve,
                    uint32_t primaries, uint32_t transfer)
 {
@@ -270,7 +270,8 @@ static int differs(uint32_t in_pixel, const pupil_coding *from, const pupil_codi
     return differ;
 }
 
-/* What cannot go by luma, or is not told to, is exact; and what can has another picture, so that this would be seen. */
+/* What cannot be mapped by luma, or is not configured to be, is exact. What can be has a different picture, so the test
+ * would see it. */
 static void exact_where_it_must(void)
 {
     static const pupil_coding usual = {0}, full = {.range = PUPIL_RANGE_FULL}, linear = {.light = PUPIL_LIGHT_LINEAR},
@@ -294,9 +295,10 @@ static void exact_where_it_must(void)
     CHECK(!differs(PUPIL_PIXEL_P010, NULL, NULL, plain, 0, 0));
 }
 
-enum { TALL = 16384 }; /* rows of a frame, of which only the first are metered: of a small frame all pixels are */
+enum { TALL = 16384 }; /* rows of a frame; only the first are metered; a small frame is metered at every pixel */
 
-/* Where all pairs of pixels are alike, as a bright and a dark one, so are those of a sample: the level is exact. */
+/* If all pairs of pixels are alike, here one bright and one dark pixel, so are the sampled ones, and the level is
+ * exact. */
 static void both_pixels_of_a_pair(uint32_t width)
 {
     frame f = frame_make(width, 64, PUPIL_PIXEL_NV12, 0, 0);
@@ -317,7 +319,7 @@ static void both_pixels_of_a_pair(uint32_t width)
     frame_free(&f);
 }
 
-/* Each plane's last byte is the last before a page that cannot be read: a sample takes nothing beyond it. */
+/* Each plane ends at a page that cannot be read: sampling does not read beyond it. */
 static void sample_at_the_end_of_memory(uint32_t width)
 {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -404,8 +406,8 @@ static int mapped_alike(const frame *a, const frame *b, uint32_t out)
     return alike;
 }
 
-/* However its bytes lie, it has one level and one display frame. Of formats with chroma in each row what comes out is
- * that of NV12, too, but for RGB, where a row that is near the gamut's surface is exact by itself. */
+/* One picture has the same level and display frame in every layout. Formats with chroma in each row also give NV12's
+ * result, except to RGB, where a row near the gamut's surface is mapped exactly by itself. */
 static void one_picture(uint32_t width, uint32_t height)
 {
     frame f = frame_make(width, height, PUPIL_PIXEL_NV12, 0, 0);
@@ -423,7 +425,7 @@ static void one_picture(uint32_t width, uint32_t height)
     frame_free(&f);
 }
 
-/* Where both rows have chroma, that of a frame with half as many rows of it is their mean. */
+/* If both rows have chroma, a frame with half as many chroma rows has their mean. */
 static void mean_of_rows(void)
 {
     frame f = frame_make(646, 24, PUPIL_PIXEL_NV16, 0, 0), mean = frame_make(646, 24, PUPIL_PIXEL_NV16, 0, 0);
@@ -446,7 +448,7 @@ static void mean_of_rows(void)
     frame_free(&mean);
 }
 
-/* A picture that stays as it is, of one colour: are its codes those of exact mapping? */
+/* Whether a picture of one colour, mapped without change, has the codes of exact mapping. */
 static int unchanged_is_exact(int luma, int cr)
 {
     const pupil_curve none = curve_of(1.0f);
@@ -466,8 +468,8 @@ static int unchanged_is_exact(int luma, int cr)
     return same;
 }
 
-/* Reds whose green and blue are below 0. In R'G'B' codes grey is 9 and they are 50 and 114 above it: by luma they stay,
- * and beyond eight times grey they are exact. */
+/* Reds whose green and blue are below 0. In R'G'B' codes grey is 9 and the reds are 50 and 114 above it: up to eight
+ * times grey they go by luma, beyond that they are exact. */
 static void dark_and_far_from_grey(void)
 {
     CHECK(!unchanged_is_exact(24, 156));
@@ -492,7 +494,7 @@ int main(int argc, char **argv)
     dark_and_far_from_grey();
     errors(1, PUPIL_PIXEL_NV12, "small colours", 1.5, 8);
     errors(1, PUPIL_PIXEL_RGBA8, "small colours, RGBA8", 1.5, 16); /* Cb and Cr are doubled in it */
-    errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* a neighbour of each pixel may be black, and another white */
+    errors(2, PUPIL_PIXEL_NV12, "any codes", 1.5, 24); /* one neighbour of a pixel may be black and another white */
     both_pixels_of_a_pair(60);
     both_pixels_of_a_pair(640);
     for (uint32_t width = 2; width <= 200; width += 2)

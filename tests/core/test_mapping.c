@@ -8,7 +8,8 @@
 #include <math.h>
 
 static uint64_t codes, off_by_one;
-static double beyond; /* the worst distance from the reference's real-valued code, in codes, past the unavoidable 0.5 */
+static double beyond; /* the largest distance from the reference's real-valued code, in codes, less the unavoidable
+                       * 0.5 */
 
 static void pixel_codes(const pupil_image *out, uint32_t x, uint32_t y, int code[4])
 {
@@ -89,7 +90,7 @@ static void check_all_formats(void)
             }
 }
 
-/* A table of any values, at any scale: every format, odd pixels. */
+/* A table of random values, at any scale: every format, odd pixels. */
 static void check_knots(void)
 {
     for (uint32_t from = PUPIL_PIXEL_RGBA32F; from <= PUPIL_PIXEL_RGB8; from++)
@@ -114,7 +115,7 @@ static void check_knots(void)
         }
 }
 
-/* Widths around every power of two up to the length of any buffer that a mapper may use. */
+/* Widths around each power of two, up to the longest buffer of a mapper. */
 static void check_widths(void)
 {
     const pupil_curve curve = {.scale = 0.8f, .inverse_white_squared = 0.04f, .gamut = 3.8f};
@@ -135,7 +136,7 @@ static void check_widths(void)
     frame_free(&out);
 }
 
-/* What curves can be at the ends of what a config allows: nothing overflows into black. */
+/* Curves at the limits of what a config allows: nothing overflows to black. */
 static void check_extreme_curves(void)
 {
     static const float scale[] = {0, 0x1p-149f, 0x1p-100f, 0x1p-30f, 1, 0x1p30f, 0x1p60f},
@@ -158,7 +159,7 @@ static void check_extreme_curves(void)
             }
 }
 
-/* Without the reference: what anyone would expect to see. */
+/* Without the reference: what anyone would expect. */
 static void check_examples(void)
 {
     static const double input[][3] = {{0, 0, 0},

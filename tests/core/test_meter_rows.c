@@ -28,7 +28,7 @@ static double mean_of(const pupil_t *pupil, const frame *f, pupil_stats *stats)
     return mean;
 }
 
-/* Each row has its own light, so that what was metered says which rows were. */
+/* Each row has its own light, so the statistics show which rows were metered. */
 static void one_row_of_each_group(uint32_t height)
 {
     for (uint32_t n = 2; n <= 8; n *= 2) {
@@ -91,7 +91,8 @@ static void any_split(uint32_t pixel)
     frame_free(&f);
 }
 
-/* Where the weight is in a few rows a frame may meter none of them: it is held, and a later one finds them. */
+/* If only a few rows have weight, a frame may meter none of them: then the level is held, and a later frame finds
+ * them. */
 static void few_rows_with_weight(void)
 {
     frame f = frame_make(32, 32, PUPIL_PIXEL_RGB32F, 0, 0), to = frame_make(32, 32, PUPIL_PIXEL_RGB8, 0, 0);
@@ -107,7 +108,7 @@ static void few_rows_with_weight(void)
         memset(config.weight, 0, sizeof config.weight);
         memset(config.weight[cell], 1, sizeof config.weight[cell]);
         CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
-        for (int k = 0; k < 40; k++) { /* 2 of 8 rows: none in 40 frames is a chance of 1 in 100000 */
+        for (int k = 0; k < 40; k++) { /* 2 of 8 rows: to meet none of them in 40 frames has a chance of 1 in 100000 */
             CHECK(pupil_process(&pupil, &f.image, NULL, &out) == PUPIL_OK);
             CHECK(pupil_get_exposure(&pupil, &e) == PUPIL_OK);
             held += e.reason == PUPIL_REASON_NO_LIGHT;
@@ -120,7 +121,7 @@ static void few_rows_with_weight(void)
     frame_free(&to);
 }
 
-/* What docs/numerics.md says of the error. */
+/* The error, as in docs/numerics.md. */
 static void error_of(const char *what, frame *f, const double limit[3])
 {
     pupil_stats stats;
@@ -141,7 +142,7 @@ static void error_of(const char *what, frame *f, const double limit[3])
     }
 }
 
-/* Weights whose halves are the same, and that are not all one. */
+/* Weights whose halves are the same, and not all equal. */
 static void striped_weights(void)
 {
     frame f = frame_make(64, 16, PUPIL_PIXEL_RGB32F, 0, 0);
@@ -176,8 +177,7 @@ int main(int argc, char **argv)
     error_of("noise of 2 stops", &f, (double[]){0.02, 0.03, 0.05});
     frame_gradient(&f, 1e-3, 10);
     error_of("a gradient of 13 stops", &f, (double[]){0.01, 0.02, 0.04});
-    for (uint32_t y = 0; y < 480;
-         y++) /* every second row 6 stops brighter: what a fixed choice would miss altogether */
+    for (uint32_t y = 0; y < 480; y++) /* every second row 6 stops brighter: a fixed choice would miss all of them */
         for (uint32_t x = 0; x < 640; x++)
             frame_set(&f, x, y, y % 2 ? 0.64 : 0.01, y % 2 ? 0.64 : 0.01, y % 2 ? 0.64 : 0.01, 1);
     error_of("stripes of a row", &f, (double[]){0.7, 1.0, 1.4});

@@ -54,7 +54,7 @@ static void check_natural(void)
     }
 }
 
-/* Where rounding does not average out: one value everywhere. */
+/* One value everywhere, so that rounding does not average out. */
 static void check_constants(void)
 {
     static const double value[] = {0x1p-30,   0x1p-24, 1e-5,          0x1p-14, 0x1.000002p-14, 1e-3, 0.01, 0.1, 0.18,
@@ -163,7 +163,7 @@ static void check_weights(void)
 
 static void check_primaries(void)
 {
-    /* linear sRGB to XYZ, scaled by 100 so that the scaling to a sum of 1 is seen */
+    /* linear sRGB to XYZ, times 100, so that the scaling to a sum of 1 matters */
     static const float matrix[9] = {41.24f, 35.76f, 18.05f, 21.26f, 71.52f, 7.22f, 1.93f, 11.92f, 95.05f};
     pupil_config config;
     frame f = frame_make(640, 360, PUPIL_PIXEL_RGB32F, 0, 0);

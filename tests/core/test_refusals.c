@@ -1,5 +1,5 @@
-/* Every error code by the misuse that it is for; and after each refusal the object, the statistics and the output are
- * what they were, byte for byte.
+/* Every error code, by the misuse that it is for. After each refusal the object, the statistics and the output are
+ * unchanged, byte for byte.
  */
 #include "check.h"
 #include "frames.h"
@@ -81,7 +81,7 @@ static void expect_images(const pupil_image_const *i, const pupil_image *o, int 
     row.height = row.height != 0;
     pupil_image to = o ? *o : out;
     to.height = o ? to.height != 0 : 1;
-    if (wanted == PUPIL_ERR_STRIDE) /* one row cannot overlap itself */
+    if (wanted == PUPIL_ERR_STRIDE) /* a single row cannot overlap itself */
         return;
     if (i && o && i->height == o->height)
         expect(pupil_fused_rows(&pupil, &curve, &row, 1, 3, &to, &stats), wanted, what);
@@ -344,7 +344,7 @@ static void check_stats(void)
     pupil_stats_clear(&stats);
     stats.log2_frac = 1; /* of no weight */
     CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_ERR_STATS && value == 5);
-    pupil_stats_clear(&stats); /* so many quads that no sum of a channel could be told from nonsense */
+    pupil_stats_clear(&stats); /* so many quads that a sum of a channel cannot be checked */
     stats.rows = stats.frame_height = 1;
     stats.weight = stats.pixels = stats.channel_quads = (UINT64_C(1) << 44) - 1;
     CHECK(pupil_stats_mean(&stats, 0, 1, &value) == PUPIL_OK && value == 0);
@@ -371,7 +371,7 @@ static void check_stats(void)
     expect(pupil_adapt(&pupil, &stats, NULL), PUPIL_ERR_NO_HISTOGRAM, "a curve of the histogram without one");
     config.curve = PUPIL_CURVE_REINHARD;
     CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
-    CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK); /* nothing asks for it */
+    CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK); /* nothing needs it */
     pupil_stats_clear(NULL);
 }
 
@@ -536,7 +536,7 @@ static void check_cameras(void)
     expect(pupil_map_rows(&pupil, &curve, &one, &coded), PUPIL_ERR_CODING, "the output's coding, of no version");
     CHECK(pupil_coding_check(&coding, i.pixel, NULL) == PUPIL_OK &&
           pupil_coding_check(NULL, i.pixel, NULL) == PUPIL_ERR_NULL);
-    /* right for some formats, not for this one */
+    /* valid for some formats, not for this one */
     i.coding = &coding;
     i.pixel = PUPIL_PIXEL_BAYER14;
     static const struct {
@@ -577,7 +577,7 @@ static void check_sentences(void)
         CHECK(pupil_error_string(a) != NULL && strlen(pupil_error_string(a)) > 1);
     CHECK(pupil_error_string(INT32_MIN) != NULL && pupil_error_string(INT32_MAX) != NULL);
     static const char *const fields[] = {"stride_bytes", "chroma_stride_bytes", "cr_stride_bytes"};
-    for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) /* any plane's stride may be the one that is refused */
+    for (size_t k = 0; k < sizeof fields / sizeof *fields; k++) /* the stride of any plane may be refused */
         CHECK(strstr(pupil_error_string(PUPIL_ERR_STRIDE), fields[k]));
     CHECK(strstr(pupil_error_string(PUPIL_ERR_ALIGNMENT), "chroma") &&
           strstr(pupil_error_string(PUPIL_ERR_SIZE), "multiple of 4"));

@@ -1,5 +1,5 @@
-/* What rods see in the picture (PUPIL_LAW_EYE, pupil_curve.rods): against the formulas in double, the same bits at
- * every level, in parts and fused, no change of the statistics, and what is refused.
+/* What rods see in the picture (PUPIL_LAW_EYE, pupil_curve.rods): against the formulas in double, with the same bits at
+ * every CPU level, in parts and fused, without a change of the statistics; and what is refused.
  */
 #include "check.h"
 #include "pupil/pupil.h"
@@ -40,7 +40,7 @@ static void paint(void)
         light[i] = (float)(check_uniform() * check_uniform());
 }
 
-/* The light for rods of BT.709, white as bright as before, and the blue of chromaticity (0.25, 0.25) in BT.709. */
+/* The light for rods of BT.709, with white as bright as before, and the blue of chromaticity (0.25, 0.25) in BT.709. */
 static double for_rods(const float v[3])
 {
     static const double rods_of_xyz[3] = {-0.702, 1.039, 0.433};
@@ -78,7 +78,7 @@ static void against_the_formula(void)
             for (int k = 0; k < 3; k++)
                 v[k] = (1.0 - m) * (double)light[i + k] + m * grey * blue[k];
             y = 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
-            for (int k = 0; k < 3; k++) /* far below what the gamut bends */
+            for (int k = 0; k < 3; k++) /* far below what gamut handling changes */
                 worst = fmax(worst, fabs((double)shown[i + k] - 0.2 * v[k] / (1.0 + 0.2 * y)));
         }
     }
@@ -86,7 +86,7 @@ static void against_the_formula(void)
     CHECK_MSG(worst < 1e-6, "%g", worst);
 }
 
-/* White keeps its luminance; and of red and blue of one luminance red is the darker at night (Purkinje). */
+/* White keeps its luminance; of red and blue of equal luminance, red is darker at night (Purkinje). */
 static void red_is_dark_at_night(void)
 {
     static const float colours[3][3] = {{1, 1, 1}, {0.2f / 0.2126f, 0, 0}, {0, 0, 0.2f / 0.0722f}};
@@ -214,8 +214,8 @@ static void solve(const double m[9], const double y[3], double x[3])
     }
 }
 
-/* Primaries of the user's own: of the usual ones in another order; that rods see less than nothing of, which count as
- * their luminance; and of which only the luminance is known, which are seen as those of BT.709. */
+/* The user's own primaries: the usual ones in another order; those of which rods see a negative amount, which count as
+ * their luminance; and those of which only the luminance is known, which are seen as those of BT.709. */
 static void other_primaries(void)
 {
     static const double rods_of_xyz[3] = {-0.702, 1.039, 0.433}, blue_xyz[3] = {1, 1, 2};

@@ -1,4 +1,4 @@
-/* Structs of every size: the library writes at most the size that it is given, and reads what pupil/abi.h says. */
+/* Structs of every size: the library writes at most the given size, and reads what pupil/abi.h says. */
 #include "check.h"
 #include "pupil/pupil.h"
 #include "pupil/row_gain.h"
