@@ -1,5 +1,5 @@
-/* The colour of raw frames: on the fake's mosaics in coloured light a grey scene ends grey, slowly where the light
- * changes; what is full is white; what is off is left alone; and a sensor's black level and matrix are put to use. */
+/* The colour of raw frames: on the fake's mosaics in coloured light a grey scene ends grey, and follows changes of
+ * light slowly; saturated is white; when off, nothing changes; and a sensor's black level and matrix are used. */
 #include <linux/videodev2.h>
 #include <math.h>
 
@@ -66,7 +66,7 @@ static fake_v4l2_config mosaic(uint32_t fourcc)
     return config;
 }
 
-/* Largest over smallest channel of what the factors make of a grey thing in this light, less 1. */
+/* A grey surface in this light, after the factors: its largest channel over its smallest, less 1. */
 static double tint(const scene *s, const double light[3])
 {
     double low = HUGE_VAL, high = 0;
@@ -103,8 +103,7 @@ static void test_grey(void)
         for (int i = 0; i < 12 * FPS; i++) {
             const pupil_coding last = s.colour.coding;
             next(&s);
-            for (int k = 0; k < 3;
-                 k++) /* a frame moves a factor by a share of 1 / (1 + tau * fps) of the way at most */
+            for (int k = 0; k < 3; k++) /* in one frame a factor moves by at most 1 / (1 + tau * fps) of the way */
                 CHECK(fabs(s.colour.coding.balance[k] - last.balance[k]) <
                       (PUPIL_WHITE_BALANCE_MOST - 1) / (1 + PUPIL_WHITE_BALANCE_TAU_S * FPS) + 1e-6);
             CHECK_MSG(tint(&s, second) <= before + 0.002, "from %g to %g", before, tint(&s, second));
@@ -117,7 +116,7 @@ static void test_grey(void)
     }
 }
 
-/* The same way at any frame rate, within what the step's length makes; and twice the same bits. */
+/* The same course at any frame rate, up to the effect of the step's length; and the same bits twice. */
 static void test_rate(void)
 {
     const pupil_colour_options automatic = {0};
@@ -141,14 +140,14 @@ static void test_rate(void)
     CHECK_MSG(fabs(after[1][1] - (2 - exp(-1))) < 0.02, "%g", (double)after[1][1]); /* 1 to 2, after one tau */
 }
 
-/* Ten stops too much: white, with any factors and matrix; and the factors stay. */
+/* Overexposed by ten stops: white, with any factors and matrix; and the factors stay. */
 static void test_full(void)
 {
     const pupil_colour_options automatic = {0};
     fake_v4l2_config config = mosaic(V4L2_PIX_FMT_SRGGB10);
     const double light[3] = {0.5, 1, 0.4};
     memcpy(config.colour, light, sizeof light);
-    scene s = open_scene(&config, &automatic, "ov5647"); /* it has a matrix, and no black level that is known */
+    scene s = open_scene(&config, &automatic, "ov5647"); /* it has a matrix, but no known black level */
     CHECK(s.colour.coding.rgb_from_camera[0] > 1);
     for (int i = 0; i < 3; i++)
         next(&s);
@@ -157,7 +156,7 @@ static void test_full(void)
     fake_v4l2_light(s.fake, 1024);
     pupil_config bright;
     pupil_config_default(&bright);
-    bright.lock = 1; /* as it was before the light */
+    bright.lock = 1; /* as before the light changed */
     CHECK(pupil_retune(&s.pupil, &bright) == PUPIL_OK);
     for (int i = 0; i < 10; i++)
         next(&s);
@@ -168,7 +167,7 @@ static void test_full(void)
     close_scene(&s);
 }
 
-/* Nothing is looked at, and no bit of the coding is another. */
+/* No frame is looked at, and no bit of the coding changes. */
 static void test_off(void)
 {
     const pupil_colour_options off = {
@@ -208,7 +207,7 @@ static void test_known(void)
     pupil_white_balance c;
     pupil_why why;
     CHECK(pupil_camera_find_sensor(NULL, "imx219 10-0010", &imx219, &why) == 1);
-    for (size_t i = 0; i < sizeof blacks / sizeof blacks[0]; i++) { /* 64 of 10 bits, by its data sheet */
+    for (size_t i = 0; i < sizeof blacks / sizeof blacks[0]; i++) { /* 64 at 10 bits, by its data sheet */
         CHECK(pupil_white_balance_begin(&c, &automatic, NULL, blacks[i].pixel, &imx219, &why) == 0);
         CHECK_MSG(c.coding.black == blacks[i].black, "%g", (double)c.coding.black);
     }
@@ -230,7 +229,7 @@ static void test_known(void)
     CHECK_MSG(strstr(why.text, "balance must be"), "%s", why.text);
 }
 
-/* Every matrix of the table leaves grey grey, which is what balance before it relies on. */
+/* Every matrix of the table keeps grey grey: the balance, which comes before the matrix, relies on that. */
 static void test_table(void)
 {
     static const char *const names[] = {"imx219", "imx477", "ov5647"};
@@ -243,7 +242,7 @@ static void test_table(void)
     }
 }
 
-/* A large frame with one row in eight looked at each time: ramps and noise, whose average is not quite grey. */
+/* A large frame, of which each time one row in eight is looked at: ramps and noise whose average is not quite grey. */
 static void test_rows(void)
 {
     const uint32_t width = 320, height = 512;
@@ -271,8 +270,8 @@ static void test_rows(void)
     free(samples);
 }
 
-/* Time that goes back, or from one end to the other: no step, or a whole one. A light of one colour is not made grey
- * altogether. */
+/* Time that goes backwards, or from one end of its range to the other: no step, or a full one. Light of a single colour
+ * is not made completely grey. */
 static void test_times(void)
 {
     uint16_t samples[64];

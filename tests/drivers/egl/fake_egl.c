@@ -183,7 +183,7 @@ static EGLSyncKHR create_sync(EGLDisplay of, EGLenum type, const EGLint *attribu
     return &display;
 }
 
-/* It closes the file that it was made of. */
+/* Closes the file that it was made from. */
 static EGLBoolean destroy_sync(EGLDisplay of, EGLSyncKHR sync)
 {
     (void)of, (void)sync;

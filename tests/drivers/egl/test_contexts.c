@@ -1,4 +1,4 @@
-/* Contexts without a window on drivers that lack something, or fail: a sentence, and nothing is left. */
+/* Contexts without a window, on drivers that lack something or fail: a sentence, and nothing leaks. */
 #include "fake_egl.h"
 
 #include "check.h"
@@ -6,7 +6,7 @@
 
 static pupil_why why;
 
-/* Whether it opens. Then it is closed again; either way nothing is left. */
+/* Whether a context opens; then it is closed again. Either way nothing leaks. */
 static int opens(const pupil_egl_options *options)
 {
     pupil_egl *egl;
@@ -50,7 +50,7 @@ static void test_displays(void)
     CHECK(opens(NULL) && fake.platform == 0);
 }
 
-/* What EGL of which version is asked for, and with what. */
+/* What is asked of EGL in each version, with which attributes. */
 static void test_attributes(void)
 {
     const pupil_egl_options all = {.debug = 1, .robust = 1};

@@ -1,5 +1,5 @@
-/* Dma-bufs and fences: which planes are asked for in which format, what is refused, and that nothing is left where the
- * driver fails. */
+/* Dma-bufs and fences: which planes are imported in which format, what is refused, and that nothing leaks if the driver
+ * fails. */
 #include "fake_egl.h"
 
 #include <fcntl.h>
@@ -82,7 +82,7 @@ typedef struct refusal {
     const char *extensions, *gl_extensions, *says;
 } refusal;
 
-/* Each by one field of a buffer that is taken. */
+/* Each refusal: one field of a valid buffer is changed. */
 static void test_refusals(void)
 {
     const pupil_dmabuf right = buffer_of(PUPIL_PIXEL_NV12);
@@ -120,7 +120,7 @@ static void test_refusals(void)
     CHECK(pupil_dmabuf_import(&right, &textures, &why) == -1 && strstr(why.text, "no EGL context is current"));
 }
 
-/* Where what is linear is not checked: by the driver alone. */
+/* Linear buffers are not checked here, only by the driver. */
 static void test_modifiers(void)
 {
     pupil_dmabuf buffer = buffer_of(PUPIL_PIXEL_RGBA8);
@@ -214,7 +214,7 @@ static void test_fences(void)
     CHECK(!pupil_fence_make() && pupil_fence_fd(NULL) == -1 && is_clean());
 }
 
-/* The file is the driver's afterwards, or still the caller's; never both, never nobody's. */
+/* Afterwards either the driver owns the file or still the caller: never both, never neither. */
 static void test_wait_for_file(void)
 {
     static const char *const extensions[] = {NULL, "EGL_KHR_wait_sync", "EGL_ANDROID_native_fence_sync"};

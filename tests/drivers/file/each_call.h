@@ -1,6 +1,6 @@
-/* tests/drivers/file/each_call.h: something is done again and again, and each time the next of its calls fails
- * (nth_call/nth_call.h). Each time it ends by itself, with what it makes without a fault, or with a sentence and
- * nothing left. */
+/* tests/drivers/file/each_call.h: an action is repeated, and each time the next of its calls fails
+ * (nth_call/nth_call.h). Each time it must end by itself, with the same result as without a fault, or with a sentence
+ * and nothing left. */
 #ifndef PUPIL_TESTS_DRIVERS_EACH_CALL_H
 #define PUPIL_TESTS_DRIVERS_EACH_CALL_H
 
@@ -11,12 +11,12 @@
 
 typedef struct each_call {
     const char *name;
-    /* 0, and `digest` of what was read; or -1 and a sentence. Everything is closed again. */
+    /* 0 and the `digest` of what was read, or -1 and a sentence. Closes everything again. */
     int (*act)(const struct each_call *c, uint64_t *digest, pupil_why *why);
-    void (*prepare)(const struct each_call *c); /* what is in each_call_folder before; NULL: nothing */
-    const char *path;                           /* what it reads, or writes in each_call_folder */
+    void (*prepare)(const struct each_call *c); /* puts earlier contents into each_call_folder; NULL: none */
+    const char *path;                           /* the file that it reads, or writes in each_call_folder */
     const void *given;
-    /* What was written, where that has other bytes each time. NULL: all that is in each_call_folder. */
+    /* The digest of what was written, if its bytes differ each time. NULL: that of all of each_call_folder. */
     uint64_t (*made)(const struct each_call *c);
     int keeps;     /* what was written before the failure stays, as of recordings; or the sentence says what is left */
     int gives_way; /* to a signal, where it waits for a reader */
@@ -34,7 +34,7 @@ static inline uint64_t each_call_mix(uint64_t digest, const void *data, size_t b
     return digest;
 }
 
-/* Of a file, or of a folder's files in any order. 0: nothing is there. */
+/* The digest of a file, or of a folder's files in any order. 0: there is nothing. */
 static inline uint64_t each_call_digest(const char *path)
 {
     uint64_t digest = 1469598103934665603u;
@@ -62,7 +62,7 @@ static inline uint64_t each_call_digest(const char *path)
     return digest;
 }
 
-/* Of all frames that a source hands out; closes it. -1 and a sentence where one is damaged. */
+/* The digest of all frames of a source; closes it. -1 and a sentence if one is damaged. */
 static inline int each_call_frames(pupil_source *source, uint64_t *digest, pupil_why *why)
 {
     pupil_frame frame;
@@ -87,7 +87,7 @@ static inline void each_call_clear(const each_call *c)
         c->prepare(c);
 }
 
-/* After a failure: as before it. What cannot be removed, stays. */
+/* After a failure everything is as before; only what cannot be removed stays. */
 static inline int each_call_left(const each_call *c, const char *failed, const char *why, int entries, uint64_t before)
 {
     if (c->keeps || strstr(why, "is in place, but the old folder") || strncmp(failed, "unlink", 6) == 0 ||
@@ -96,7 +96,7 @@ static inline int each_call_left(const each_call *c, const char *failed, const c
     return scratch_entries(each_call_folder) != entries || each_call_digest(each_call_folder) != before;
 }
 
-/* With one call failing; 0: there are no more. `expected`: of a run without a fault. */
+/* Runs it with one call failing; 0: there are no more calls. `expected`: the digest of a run without a fault. */
 static inline int each_call_run(const each_call *c, unsigned long at, nth_mode mode, uint64_t *expected)
 {
     const char *failed;

@@ -13,7 +13,7 @@
 
 enum { INPUT_WIDTH = 32, INPUT_HEIGHT = 16 };
 
-/* Frames of waves (display) or of noise (linear) by the sink of the path. */
+/* Frames of waves (display) or of noise (linear), written by the sink for the path. */
 static inline void input_write(const char *path, int is_linear, int frames)
 {
     static uint8_t display[INPUT_HEIGHT * INPUT_WIDTH * 3];
@@ -55,7 +55,7 @@ static inline int input_code(const clip *c, int frame, int component, int x, int
     return (37 * frame + 11 * component + 3 * x + 5 * y) & 255;
 }
 
-/* A video without loss; 0: this libav has no such codec. */
+/* A lossless video; 0: this libav has no such codec. */
 static inline int input_clip(const char *path, const char *container, const char *codec, enum AVPixelFormat format)
 {
     const clip c = {.container = container,
@@ -72,7 +72,7 @@ static inline int input_clip(const char *path, const char *container, const char
     return clip_write(&c, path) == 0;
 }
 
-/* A Matroska file with nothing but `seconds` of sound: 8000 samples a second of 16 bits. */
+/* A Matroska file with only sound, `seconds` long: 8000 samples a second of 16 bits. */
 static inline void input_sound(const char *path, int seconds)
 {
     AVFormatContext *out = NULL;
@@ -114,7 +114,7 @@ static inline void input_dng(const char *path)
     clip_store(path, bytes, dng_make(&d, bytes));
 }
 
-/* A webcam's: without Huffman tables. */
+/* As from a webcam: without Huffman tables. */
 static inline void input_recording_of_jpegs(const char *folder)
 {
     static uint8_t bytes[2][65536];

@@ -18,7 +18,7 @@ typedef struct test_frames {
     unsigned char *memory[FRAMES_MOST];
 } test_frames;
 
-/* Every field another than all zero, and right for the format. */
+/* Every field is valid for the format and not all zero. */
 static inline pupil_coding frames_coding(uint32_t pixel)
 {
     const int mosaic = pupil_pixel_is_mosaic(pixel),
@@ -48,7 +48,7 @@ static inline pupil_frame_info frames_info(int n)
     return info;
 }
 
-/* A picture in random memory, with room between its rows, or bottom-up. */
+/* A picture in random memory, with gaps between its rows, or bottom-up. */
 static inline pupil_image_const frames_image(uint32_t pixel, uint32_t width, uint32_t height, unsigned char **memory)
 {
     const size_t row = pupil_row_bytes(pixel, width), more = 16 * (size_t)(check_random() % 3);
@@ -98,7 +98,7 @@ static inline void frames_free(test_frames *f)
         free(f->memory[i]);
 }
 
-/* How many were taken until it failed; `why` has what it says. */
+/* How many frames were taken before it failed; `why` has its sentence. */
 static inline int frames_record(const test_frames *f, const char *folder, const pupil_recorder_options *options,
                                 pupil_why *why)
 {
@@ -140,7 +140,7 @@ static inline int frames_same(const pupil_frame *a, const pupil_frame *b)
            memcmp(a->image.coding, b->image.coding, sizeof *a->image.coding) == 0;
 }
 
-/* Where each frame ends in these bytes of a frames.mkv: its pixels, found by content. */
+/* Where each frame's pixels end in these bytes of a frames.mkv; they are found by content. */
 static inline void frames_ends(const test_frames *f, unsigned char *bytes, size_t size, size_t *ends)
 {
     unsigned char *from = bytes;
@@ -154,7 +154,7 @@ static inline void frames_ends(const test_frames *f, unsigned char *bytes, size_
     }
 }
 
-/* How many frames came back, each as it was; -1: one was another, or (with a sentence in `why`) the recording fails. */
+/* How many frames came back, each unchanged; -1: one differs, or (with a sentence in `why`) the recording fails. */
 static inline int frames_replay(const test_frames *f, const char *folder, pupil_why *why)
 {
     pupil_source *source;

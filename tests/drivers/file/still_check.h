@@ -1,4 +1,4 @@
-/* tests/drivers/file/still_check.h: what the tests of the still readers share: files made byte by byte, damaged ones,
+/* tests/drivers/file/still_check.h: shared by the tests of the still readers: files made byte by byte, damaged ones,
  * and pixels.
  */
 #ifndef PUPIL_TESTS_STILL_CHECK_H
@@ -73,7 +73,7 @@ static inline int rgb_near(const pupil_still *still, uint32_t x, uint32_t y, dou
     return fabs(p[0] - r) <= tolerance && fabs(p[1] - g) <= tolerance && fabs(p[2] - b) <= tolerance;
 }
 
-/* Reads from a buffer of exactly the file's size, so that a sanitizer sees a read beyond it. */
+/* Reads from a buffer of exactly the file's size, so that a sanitizer sees reads beyond it. */
 static inline int read_exact(pupil_still_reader *reader, pupil_still *still, const void *data, size_t size,
                              pupil_why *why)
 {
@@ -88,7 +88,7 @@ static inline int read_exact(pupil_still_reader *reader, pupil_still *still, con
     return result;
 }
 
-/* A refusal that says what it should. */
+/* A refusal with the expected words. */
 #define CHECK_REFUSED(reader, data, size, words)                                                                       \
     do {                                                                                                               \
         pupil_still refused = {0};                                                                                     \
@@ -99,7 +99,8 @@ static inline int read_exact(pupil_still_reader *reader, pupil_still *still, con
         pupil_still_free(&refused);                                                                                    \
     } while (0)
 
-/* The file cut off anywhere, and with bytes changed anywhere: a clean answer each time, and a sentence with a no. */
+/* The file cut off anywhere, and with bytes changed anywhere: a clean answer each time, and a sentence if it is
+ * refused. */
 static inline void check_damage(pupil_still_reader *reader, const uint8_t *data, size_t size, int rounds)
 {
     uint8_t *damaged = malloc(size);

@@ -1,5 +1,5 @@
-/* Each call of everything that reads a file fails once: a sentence, or the frames as they are. A signal in a read, or a
- * read that gives less than was asked for, makes no difference. */
+/* Each call of everything that reads a file fails once: a sentence, or the unchanged frames. A signal during a read, or
+ * a short read, makes no difference. */
 #include "each_call.h"
 #include "each_call_inputs.h"
 
@@ -50,7 +50,7 @@ static void file_in(const each_call *c)
     fclose(file);
 }
 
-/* Luma and chroma, of which a half is between the pixels; and tiles. */
+/* Luma and chroma, half of it between the pixels; and tiles. */
 static void make_exr(void)
 {
     static const exr_part parts[] = {

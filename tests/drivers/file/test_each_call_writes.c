@@ -1,4 +1,4 @@
-/* Each call of everything that writes a file fails once: a sentence and nothing left, or the file as it should be. */
+/* Each call of everything that writes a file fails once: a sentence and nothing left, or the right file. */
 #include "each_call.h"
 #include "each_call_inputs.h"
 
@@ -48,7 +48,7 @@ static int act_write(const each_call *c, uint64_t *digest, pupil_why *why)
     return failed;
 }
 
-/* A picture without its sound is whole, for that is said; here it counts as a failure. */
+/* A video without its sound is complete, because a sentence says so; here it counts as a failure. */
 static int act_sound(const each_call *c, uint64_t *digest, pupil_why *why)
 {
     pupil_why without = {""};
@@ -74,7 +74,7 @@ static int act_record(const each_call *c, uint64_t *digest, pupil_why *why)
     return frames_record(frames, c->path, &options, why) == frames->count ? 0 : -1;
 }
 
-/* Matroska's numbers of itself are drawn. */
+/* Matroska's own identifiers are random. */
 static uint64_t video_frames(const each_call *c)
 {
     pupil_why why = {""};

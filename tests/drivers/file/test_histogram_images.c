@@ -1,6 +1,5 @@
-/* config.histogram_step on every shared still: by how much the white point, quantiles, the trimmed mean and the
- * held-back level of the default, and of one pixel of each 2n x n, differ from those of every pixel. The table of
- * docs/numerics.md.
+/* config.histogram_step on every shared still: how much white point, quantiles, trimmed mean and held-back level differ
+ * from those of every pixel, for the default and for one pixel of each 2n x n. The table of docs/numerics.md.
  */
 #include "check.h"
 #include "file/still/still.h"
@@ -12,7 +11,7 @@
 enum { VALUES = 5, STEPS = 4 };
 static const uint32_t steps[STEPS] = {0, 2, 4, 8};
 static const char *const names[VALUES] = {"white point", "median", "95 %", "trimmed mean", "held back"};
-/* What docs/numerics.md promises of the default. */
+/* The promises of docs/numerics.md for the default. */
 static const double limit[VALUES] = {0.08, 0.01, 0.03, 0.01, 0.02};
 
 static void figures_of(const pupil_image_const *image, uint32_t step, double value[VALUES])

@@ -1,4 +1,4 @@
-/* What a name on the command line is taken for, and what is said of one that is nothing that can be read. */
+/* What a name on the command line is taken for, and the sentence if it cannot be read. */
 #include "file/file_sink.h"
 #include "file/file_source.h"
 
@@ -7,7 +7,7 @@
 
 static pupil_why why;
 
-/* Refused in these words. */
+/* Refused, with these words. */
 static void refused(const char *const *names, size_t count, const char *words)
 {
     pupil_source *source = NULL;
@@ -45,7 +45,7 @@ static void test_refusals(void)
     refused((const char *const[]){scratch("a.txt"), "absent.exr"}, 2, "must be the only input");
 }
 
-/* A name in no folder, without an extension, of another case. */
+/* A name without a folder, without an extension, in another case. */
 static void test_read(void)
 {
     static const char pfm[] = "PF\n1 1\n-1\n\0\0\x80\x3f\0\0\x80\x3f\0\0\x80\x3f";
@@ -64,7 +64,7 @@ static void test_read(void)
     CHECK(chdir(before) == 0);
 }
 
-/* "." begins a name, not its extension: a folder of pictures. */
+/* A leading "." does not begin an extension: a folder of pictures. */
 static void test_outputs(void)
 {
     const pupil_sink_options options = {.width = 2, .height = 2, .fps = 30};

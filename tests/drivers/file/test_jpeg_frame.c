@@ -1,4 +1,5 @@
-/* Frames of MJPG: every sample as it was written, in every sampling and at hard sizes; what is damaged is refused. */
+/* Frames of MJPG: every sample is as it was written, in every sampling and at difficult sizes; damaged frames are
+ * refused. */
 #include "check.h"
 #include "write_jpeg.h"
 
@@ -9,7 +10,7 @@
 static uint8_t written[1 << 20], broken[1 << 20];
 static pupil_why why;
 
-/* What a pixel is, of a component as it was written. */
+/* The value at a pixel of a component as it was written. */
 static uint8_t sample(const flat_jpeg *j, uint32_t c, uint32_t x, uint32_t y)
 {
     const uint32_t across = c ? j->across : 1, down = c ? j->down : 1;
@@ -104,7 +105,7 @@ static void test_shapes(void)
         }
 }
 
-/* Tables of a frame's own hold for it alone; segments that are none of ours are passed over; samplings may change. */
+/* A frame's own tables apply only to it; unknown segments are skipped; the sampling may change. */
 static void test_kinds(void)
 {
     flat_jpeg j = {.width = 40, .height = 24, .components = 3, .across = 2, .down = 1};
@@ -149,7 +150,7 @@ static void test_codings(void)
     pupil_jpeg_close(NULL);
 }
 
-/* Refused by one sentence; and the next whole one is decoded as if nothing had been. */
+/* Refused by one sentence; the next complete frame is decoded as usual. */
 static void check_refused(pupil_jpeg *jpeg, const uint8_t *bytes, size_t size, const char *sentence)
 {
     pupil_image_const image;
@@ -173,7 +174,7 @@ static void test_cut(void)
         const size_t size = flat_write(&j, written);
         pupil_jpeg *jpeg = begin(&j);
         for (size_t cut = 0; cut < size; cut++) {
-            uint8_t *exact = malloc(cut + 1); /* so that a byte read too many is seen */
+            uint8_t *exact = malloc(cut + 1); /* so that reading a byte too many is seen */
             if (!exact)
                 abort();
             memcpy(exact + 1, written, cut);
@@ -211,7 +212,7 @@ static void test_refusals(void)
     pupil_jpeg_close(jpeg);
 }
 
-/* Damaged anywhere: a picture all of whose bytes can be read, or a sentence. */
+/* Damaged anywhere: a picture with all its bytes readable, or a sentence. */
 static void test_damage(void)
 {
     const flat_jpeg j = {.width = 72,

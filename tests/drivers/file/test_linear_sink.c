@@ -1,4 +1,4 @@
-/* Linear pictures: what is written is what our own readers (of EXR: the OpenEXR library) read back. */
+/* Linear pictures: our own readers (for EXR: the OpenEXR library) read back what was written. */
 #include "file/sink/picture_sink.h"
 
 #include <math.h>
@@ -81,7 +81,7 @@ static void a_folder(void)
     pupil_why why = {""};
     pupil_sink *sink;
     for (int pass = 0; pass < 2; pass++) {
-        options.overwrite = pass; /* a folder of EXR is one that may be replaced */
+        options.overwrite = pass; /* a folder of EXR files may be replaced */
         CHECK_MSG(pupil_linear_sink_open(scratch("frames"), &options, &sink, &why) == 0, "%s", why.text);
         for (uint64_t n = 8; n < 11; n++) {
             pupil_frame_info info = {.sequence = n};

@@ -1,6 +1,6 @@
-/* PUPIL_ACCURACY_LUMA on every shared still, and on a chart of saturated hues, as a camera would give them: NV12,
- * exposed for the log-average. By how much the log-average and the codes of the picture differ from the exact ones, and
- * how many quads are mapped exactly. The table of docs/numerics.md.
+/* PUPIL_ACCURACY_LUMA on every shared still, and on a chart of saturated hues, as from a camera: NV12, exposed for the
+ * log-average. How much the log-average and the codes of the picture differ from the exact ones, and how many quads are
+ * mapped exactly. The table of docs/numerics.md.
  */
 #include "check.h"
 #include "file/still/still.h"
@@ -25,7 +25,7 @@ static double mean_of(const differences *d)
     return sum / (double)d->samples;
 }
 
-/* The difference that so large a share of the samples does not exceed. */
+/* The difference that this share of the samples does not exceed. */
 static int within(const differences *d, double share)
 {
     uint64_t below = d->off[0];
@@ -110,7 +110,7 @@ static frame camera_frame(const pupil_still *still)
     return f;
 }
 
-/* Every hue across, fully saturated, by its brightness down. */
+/* Fully saturated hues along x, brightness along y. */
 static void chart(pupil_still *still)
 {
     float *pixels = calloc((size_t)640 * 480 * 3, sizeof *pixels);
@@ -147,7 +147,7 @@ static void add_plane(const void *one, const void *other, ptrdiff_t stride, size
     d->samples += bytes * rows;
 }
 
-/* Codes of RGBA8 (of which alpha is no sample: it is always the same), or of Y', Cb and Cr. */
+/* Codes of RGBA8 (alpha is not counted: it is always the same), or of Y', Cb and Cr. */
 static differences compare(const frame *f, float scale, uint32_t out)
 {
     differences d = {{0}, 0};

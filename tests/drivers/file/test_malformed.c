@@ -15,7 +15,7 @@ static long most_kb;
 static double most_s;
 static char slowest[NAMED_SLOWEST], largest[NAMED_SLOWEST];
 
-/* In the child: load, look at every sample, and say how it went by the exit status. */
+/* In the child: load, read every sample, and report by the exit status. */
 static void load_and_exit(const char *path)
 {
     pupil_still still = {0};

@@ -1,5 +1,5 @@
-/* Pictures by the names of their frames, into a folder that may have other files: none of these is lost, and each
- * refusal is a sentence that names the file. */
+/* Pictures named after their frames, in a folder that may have other files: none of those is lost, and each refusal is
+ * a sentence that names the file. */
 #include "scratch.h"
 
 #include "file/file_sink.h"
@@ -66,7 +66,7 @@ static void test_kept(void)
     pupil_sink_discard(sink);
     CHECK(scratch_holds(scratch("out/a.png"), "old") && scratch_entries(scratch("out")) == 2);
 
-    sink = open_named(0); /* one that comes in the meantime */
+    sink = open_named(0); /* one that appears in the meantime */
     CHECK(put(sink, "b.exr") == 0 && put(sink, "c.exr") == 0);
     scratch_put(scratch("out/b.png"), "theirs");
     CHECK(pupil_sink_finish(sink, &why) == -1 && strstr(why.text, "out/b.png: is there already"));

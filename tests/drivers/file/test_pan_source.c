@@ -1,4 +1,5 @@
-/* A camera in a panorama: light is kept by the resampling, edges and poles do not show, the path goes where it says. */
+/* A camera in a panorama: resampling preserves light, edges and poles are not visible, the path goes where it
+ * should. */
 #include "scratch.h"
 
 #include "file/pan/pan_path.h"
@@ -88,7 +89,7 @@ static void test_constant(void)
     }
 }
 
-/* The camera's own geometry, written down again in double. */
+/* The camera's geometry, implemented again in double. */
 static void pixel_direction(pupil_view v, int width, int height, double x, double y, double *yaw, double *pitch)
 {
     double focal = width / 2.0 / tan(v.fov / 2 * pi / 180), p = v.pitch * pi / 180, d[3];
@@ -115,7 +116,7 @@ static void test_smooth(void)
                 float want[3];
                 pixel_direction(view, 128, 72, x + 0.5, y + 0.5, &yaw, &pitch);
                 smooth(yaw, pitch, 0, 0, want);
-                /* A pixel is at most 1/64 rad: its mean differs from its centre by under (1/64)^2 / 24 * |second
+                /* A pixel is at most 1/64 rad wide: its mean differs from its centre by under (1/64)^2 / 24 * |second
                  * derivative| (2) in each of two directions, 4e-5; the texels add (2 pi / 1024)^2 / 8 * 2, 1e-5. Near
                  * the poles rows are averaged over an arc of half a texel, (pi / 512) / 2 / cos(pitch) of longitude;
                  * its mean is by the arc's square / 24 inward, times the slope (under 1.5). */
@@ -129,8 +130,8 @@ static void test_smooth(void)
     pupil_panorama_free(&p);
 }
 
-/* Nothing jumps: two directions 1e-4 rad apart differ by what the steepest slope between random texels allows. Near a
- * pole that slope is bounded because rows are averaged there. */
+/* No jumps: two directions 1e-4 rad apart differ by at most what the steepest slope between random texels allows. Near
+ * a pole that slope is bounded because rows are averaged there. */
 static void test_seams(void)
 {
     pupil_panorama p = make(64, random_texels);
@@ -154,7 +155,7 @@ static void test_seams(void)
     pupil_panorama_free(&p);
 }
 
-/* The finest pattern, made smaller: grey, and as grey from one step of the camera to the next. */
+/* The finest pattern, reduced: grey, and equally grey from one step of the camera to the next. */
 static void test_checker(void)
 {
     float pixels[64 * 36 * 3];
@@ -170,13 +171,13 @@ static void test_checker(void)
         }
     }
     CHECK_MSG(fabs(sum - 0.5) < 1e-4, "mean %g", sum);
-    /* Half a texel more of one colour along two edges of a pixel of 15.6 x 15.6 texels is 1/31 of it at the most. */
+    /* Half a texel more of one colour along two edges of a pixel of 15.6 x 15.6 texels is at most 1/31 of it. */
     CHECK_MSG(least > 0.5 - 1 / 31.0 && most < 0.5 + 1 / 31.0, "%g to %g", least, most);
     pupil_panorama_free(&p);
 }
 
-/* The six sides of a cube see every direction once: weighted by their solid angles, their pixels hold the panorama's
- * light, which its texels hold weighted by theirs. */
+/* The six sides of a cube see every direction once: their pixels, weighted by solid angle, sum to the same light as the
+ * panorama's texels, weighted by theirs. */
 static void test_energy(void)
 {
     enum { N = 96 };
@@ -227,7 +228,7 @@ static void test_odd_texels(void)
         CHECK(!isnan(pixels[i + 1]) && pixels[i + 2] == -2);
     }
     /* In the middle of this picture a texel is (2 pi / 256) rad * 128 px / rad = 3.14 pixels, and it reaches one texel
-     * further than its own half on each side: 6.3 pixels, so at most 7 pixels a side. */
+     * beyond its own half on each side: 6.3 pixels, so at most 7 pixels a side. */
     CHECK_MSG(bad > 0 && bad <= 49 && bright > 0 && bright <= 49, "%d NaN pixels, %d bright", bad, bright);
     pupil_panorama_free(&p);
 }
@@ -247,7 +248,7 @@ static void test_path(void)
     CHECK(near_view(pupil_pan_path_at(&path, 0), 170, 10, 75) && near_view(pupil_pan_path_at(&path, 1), 170, 10, 75));
     CHECK(near_view(pupil_pan_path_at(&path, 3), -170, -20, 40));
     CHECK(near_view(pupil_pan_path_at(&path, 4), 0, 0, 75) && near_view(pupil_pan_path_at(&path, 9), 0, 0, 75));
-    for (double t = 1; t < 3; t += 1 / 64.0) { /* the short way, over 180, and never back */
+    for (double t = 1; t < 3; t += 1 / 64.0) { /* the short way, across 180, and never back */
         double a = pupil_pan_path_at(&path, t).yaw, b = pupil_pan_path_at(&path, t + 1 / 64.0).yaw;
         CHECK(fabs(a) >= 170 - 1e-9 && remainder(b - a, 360) > 0 && remainder(b - a, 360) < 0.5);
     }

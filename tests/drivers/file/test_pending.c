@@ -36,7 +36,7 @@ static void test_file(void)
     remove(path);
 }
 
-/* The same name twice at once: neither writes into the other's file. */
+/* Two outputs of the same name at once: neither writes into the other's file. */
 static void test_twice(void)
 {
     pupil_pending p, q;
@@ -73,7 +73,7 @@ static void test_names(void)
     CHECK(scratch_exists(scratch("here")));
     remove("here");
 
-    /* A link is followed: it stays, and what it leads to is replaced. */
+    /* A link is followed: it stays, and its target is replaced. */
     CHECK(mkdir("there", 0777) == 0 && symlink("there/target", "link") == 0);
     scratch_put("there/target", "old");
     CHECK(pupil_pending_file(&p, "link", 1, &why) == 0);
@@ -144,7 +144,7 @@ static void test_folder(void)
 
     CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 0, &why), path, "not empty");
 
-    /* Overwritten as a whole: nothing of the old one is left. */
+    /* The whole folder is overwritten: nothing of the old one is left. */
     put_in(path, "frame_1000000.png", "old");
     CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
     put_in(p.temporary, "frame_000000.png", "two");
@@ -153,7 +153,7 @@ static void test_folder(void)
     CHECK(scratch_holds(scratch("out/frame_000000.png"), "two"));
     CHECK(scratch_entries(path) == 1 && scratch_entries(scratch_folder) == 1);
 
-    /* Discarded, folders within and all; what was there stays. */
+    /* Discarded, with its subfolders; what was there before stays. */
     CHECK(pupil_pending_folder(&p, path, 1, &why) == 0);
     put_in(p.temporary, "frame_000000.png", "three");
     {
@@ -174,7 +174,7 @@ static void test_folder(void)
     scratch_clear(path);
 }
 
-/* A folder that holds anything but frames is never overwritten, whenever it came there. */
+/* A folder that holds anything but frames is never overwritten, regardless of when that appeared. */
 static void test_precious_folder(void)
 {
     static const char *const names[] = {"thesis.txt", "frame_00000.png",  "frame_000000.png~", "frame_000000.PNG",
@@ -196,7 +196,7 @@ static void test_precious_folder(void)
         CHECK(scratch_entries(path) == 2 && scratch_entries(scratch_folder) == 1);
         scratch_clear(path);
     }
-    /* Neither is one with a folder or a link of such a name. */
+    /* Nor is a folder with a subfolder or a link of such a name. */
     CHECK(mkdir(path, 0777) == 0 && mkdir(scratch("out/frame_000000.png"), 0777) == 0);
     CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
@@ -204,7 +204,7 @@ static void test_precious_folder(void)
     CHECK_REFUSED_AT(pupil_pending_folder(&p, path, 1, &why), path, "frame_000000.png");
     scratch_clear(path);
 
-    /* Filled in the meantime, and nobody said overwrite. */
+    /* Filled in the meantime, without overwrite. */
     CHECK(pupil_pending_folder(&p, path, 0, &why) == 0);
     CHECK(mkdir(path, 0777) == 0);
     put_in(path, "frame_000000.png", "precious");
@@ -216,7 +216,7 @@ static void test_precious_folder(void)
     scratch_clear(scratch("out-1"));
 }
 
-/* The temporary file or the folder goes away under our feet: a sentence, and discard does not mind. */
+/* The temporary file or the folder is removed by another program: a sentence, and discard still works. */
 static void test_taken_away(void)
 {
     pupil_pending p;
@@ -232,7 +232,7 @@ static void test_taken_away(void)
     CHECK(scratch_entries(scratch_folder) == 0);
 }
 
-/* Permissions bite for others than root only: a child that becomes nobody. */
+/* Permissions do not restrict root, so a child becomes nobody. */
 static void test_permission(void)
 {
     const char *path = scratch("closed/a");
@@ -273,7 +273,8 @@ static pid_t begin_in_child(const char *path, int is_folder, int is_killed)
     return child;
 }
 
-/* What a killed run has left goes when the same output is begun; not that of a live run, nor of other names. */
+/* Leftovers of a killed run are removed when the same output is begun; those of a live run or of other names are
+ * not. */
 static void test_swept(void)
 {
     for (int is_folder = 0; is_folder <= 1; is_folder++) {
@@ -284,13 +285,13 @@ static void test_swept(void)
         begin_in_child(other, is_folder, 1);
         CHECK(scratch_entries(scratch_folder) == 2); /* the second has swept the first away */
         const pid_t there = begin_in_child(path, is_folder, 0);
-        CHECK(scratch_entries(scratch_folder) == 2); /* its own begin has swept */
+        CHECK(scratch_entries(scratch_folder) == 2); /* it was swept when this one began */
         scratch_put(scratch(".swept.x.1a.part"), "");
         scratch_put(scratch(".swept.x.1.part.png"), "");
         CHECK(mkdir(old, 0777) == 0);
         put_in(old, "frame_000000.png", "replaced");
         CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why)) == 0);
-        CHECK(scratch_exists(old) && scratch_entries(scratch_folder) == 6); /* nothing is in its place */
+        CHECK(scratch_exists(old) && scratch_entries(scratch_folder) == 6); /* kept, as nothing is in its place */
         CHECK(pupil_pending_commit(&p, &why) == 0);
         CHECK((is_folder ? pupil_pending_folder(&p, path, 0, &why) : pupil_pending_file(&p, path, 1, &why)) == 0);
         CHECK(!scratch_exists(old) && scratch_entries(scratch_folder) == 6);
@@ -308,7 +309,8 @@ static void test_swept(void)
     }
 }
 
-/* A stream writes into what was made, whatever has its name now; and such a name is not put in place. */
+/* A stream writes into the file that was created, even if its name now belongs to another; that one is not put in
+ * place. */
 static void test_stream(void)
 {
     pupil_pending p;
@@ -330,7 +332,7 @@ static void test_stream(void)
     remove(victim);
 }
 
-/* In its place before it is complete. */
+/* Put in place before it is complete. */
 static void test_show(void)
 {
     pupil_pending p;
@@ -346,7 +348,7 @@ static void test_show(void)
     remove(path);
 }
 
-/* What is there stays, also what comes in the meantime. */
+/* What is there stays, also what appears in the meantime. */
 static void test_kept(void)
 {
     pupil_pending p;
@@ -367,7 +369,7 @@ static void test_kept(void)
         remove(scratch(names[i]));
 }
 
-/* Of two that ask for a name, one gets it; what a killed process has kept is free again. */
+/* If two ask for a name, one gets it; a name reserved by a killed process is free again. */
 static void test_reserved(void)
 {
     pupil_pending p, q;
@@ -375,7 +377,7 @@ static void test_reserved(void)
     CHECK(pupil_pending_reserve(&p, path) == 0 && !scratch_exists(path));
     CHECK(pupil_pending_reserve(&q, path) == 1 && scratch_entries(scratch_folder) == 1);
     CHECK(!pupil_pending_is_begun(&p));
-    CHECK(pupil_pending_file(&q, path, 0, &why) == 0); /* begins its own output under the name that it keeps */
+    CHECK(pupil_pending_file(&q, path, 0, &why) == 0); /* begins its own output under the name that it reserved */
     CHECK(pupil_pending_is_begun(&p));
     pupil_pending_discard(&p);
     CHECK(pupil_pending_reserve(&p, path) == 1); /* it is being written */
@@ -392,7 +394,7 @@ static void test_reserved(void)
     CHECK(scratch_entries(scratch_folder) == 0);
 }
 
-/* A link that leads to nothing yet: its target is made, as ffmpeg and a shell's > do, and the link stays. */
+/* A link that leads to nothing yet: its target is created, as by ffmpeg and a shell's >, and the link stays. */
 static void test_link_to_nothing(void)
 {
     pupil_pending p;
@@ -421,7 +423,7 @@ static unsigned mode_of(const char *path)
     return stat(path, &s) == 0 ? s.st_mode & 0777 : 0;
 }
 
-/* What is replaced was for its owner only; so is what replaces it, from the beginning. */
+/* If only the owner could read the old file, the same holds for the new one from the beginning. */
 static void test_modes(void)
 {
     pupil_pending p;

@@ -1,4 +1,4 @@
-/* plain_text: no byte that a terminal obeys, and every other letter as it is. */
+/* plain_text: no byte that controls a terminal, and every other character unchanged. */
 #include "check.h"
 
 #include "plain_text.h"
@@ -20,15 +20,15 @@ int main(int argc, char **argv)
     becomes("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80 \xc2\xa0", "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80 \xc2\xa0");
     becomes("\x9b"
             "31m",
-            "?31m"); /* CSI, of terminals of eight bits */
+            "?31m"); /* CSI of eight-bit terminals */
     becomes("\xc2\x9b"
             "31m",
             "??31m"); /* the same in UTF-8 */
     becomes("\xc2\x80\xc2\x9f", "????");
     becomes("\xc3", "?"); /* cut */
     becomes("\xe2\x82", "??");
-    becomes("\xc0\x9b\xe0\x80\x9b", "?????"); /* longer than need be */
-    becomes("\xed\xa0\x80", "???");           /* half of a pair */
+    becomes("\xc0\x9b\xe0\x80\x9b", "?????"); /* overlong */
+    becomes("\xed\xa0\x80", "???");           /* half of a surrogate pair */
     becomes("\xf4\x90\x80\x80\xff", "?????"); /* beyond the last */
     for (int c = 1; c < 256; c++) {           /* alone */
         char one[2] = {(char)c, 0};

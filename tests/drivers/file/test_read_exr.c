@@ -33,7 +33,7 @@ static int read_part(pupil_still *still, exr_part part)
     return read_exact(pupil_read_exr, still, file.data, file.size, &why);
 }
 
-/* Every pixel of the data window is what was written to the channels red, green and blue; others are black. */
+/* Every pixel of the data window has the values written to red, green and blue; other pixels are black. */
 static unsigned wrong_pixels(const pupil_still *still, const exr_part *part, int red, int green, int blue)
 {
     unsigned wrong = 0;
@@ -102,7 +102,7 @@ static void test_uint(void)
     pupil_still_free(&still);
 }
 
-/* Chroma of half the size: on the samples exactly what was stored, halfway between them in between. */
+/* Chroma of half the size: exact at the samples, the mean halfway between them. */
 static void test_luminance_chroma(void)
 {
     const exr_part part = {
@@ -110,7 +110,7 @@ static void test_luminance_chroma(void)
         .data = {-4, -2, 3, 3},
         .display = {-4, -2, 3, 3}};
     pupil_still still = {0};
-    /* Negative coordinates would make negative chroma; the values are those at the same place all the same. */
+    /* Negative coordinates would make negative chroma; the values are still those of the same position. */
     exr_part shifted = part;
     const int box[4] = {4, 2, 11, 7};
     memcpy(shifted.data, box, sizeof box);
@@ -158,7 +158,7 @@ static void test_chromaticities(void)
     pupil_still_free(&still);
 }
 
-/* CIE XYZ is a picture; three such channels of a layer are normals, and the layer behind them is read. */
+/* CIE XYZ is a picture; three such channels in a layer are normals, and the next layer is read. */
 static void test_xyz(void)
 {
     exr_part part = {.channel = {{"X", FLOAT_SAMPLES, 0, 0}, {"Y", FLOAT_SAMPLES, 0, 0}, {"Z", FLOAT_SAMPLES, 0, 0}},
@@ -191,7 +191,7 @@ static void test_parts(void)
     CHECK_MSG(read_exact(pupil_read_exr, &still, file.data, file.size, &why) == 0, "%s", why.text);
     CHECK(still.width == 5 && still.height == 3 && wrong_pixels(&still, second, 2, 1, 0) == 0);
     check_damage(pupil_read_exr, file.data, file.size, 500);
-    parts[1].channel[2].name = "S"; /* now none has a picture: the first one's sentence */
+    parts[1].channel[2].name = "S"; /* now none has a picture: the sentence is the first one's */
     write_exr(&file, parts, 3);
     CHECK_REFUSED(pupil_read_exr, file.data, file.size, "has the channels Z; R, G and B, or Y");
     pupil_still_free(&still);
@@ -199,7 +199,7 @@ static void test_parts(void)
 
 static void test_halfs(void)
 {
-    /* 0x0001, 0x03ff, 0x0400, 0x7bff, 0x7c00, 0x8001, 0xfc00, 0x7e01, 0x8000: put where sample values were. */
+    /* 0x0001, 0x03ff, 0x0400, 0x7bff, 0x7c00, 0x8001, 0xfc00, 0x7e01, 0x8000: written over sample values. */
     static const uint16_t codes[9] = {0x0001, 0x03ff, 0x0400, 0x7bff, 0x7c00, 0x8001, 0xfc00, 0x7e01, 0x8000};
     const float expected[9] = {0x1p-24f, 1023 * 0x1p-24f, 0x1p-14f, 65504, INFINITY, -0x1p-24f, -INFINITY, NAN, -0.f};
     const exr_part part = {.channel = RGB(HALF_SAMPLES), WINDOW(3, 1)};
@@ -242,7 +242,7 @@ static void test_refusals(void)
                   WINDOW(4, 4), .tile = {4, 4});
     refuse(part, "subsampl");
     part = LITTLE(.channel = RGB(HALF_SAMPLES), WINDOW(2, 1), .compression = 8);
-    write_exr(&file, &part, 1); /* a chunk shorter than its pixels; a library that knows DWAA finds it damaged */
+    write_exr(&file, &part, 1); /* a chunk shorter than its pixels; a library that knows DWAA reports it as damaged */
     file.data[file.size - 16] = 11;
     CHECK_REFUSED(pupil_read_exr, file.data, file.size, "is ");
     part = LITTLE(.channel = RGB(HALF_SAMPLES), WINDOW(2, 2), .compression = 77);
@@ -259,7 +259,7 @@ static void test_refusals(void)
     CHECK_REFUSED(pupil_read_exr, file.data, file.size, "8192 x 8192 pixels, more than");
 }
 
-/* One chunk of a file that the library writes: value of block 4 x 4, so that B44 is exact too. */
+/* One chunk of a file that the library writes: constant in each block of 4 x 4, so that B44 is exact too. */
 static float block_value(int channel, int x, int y)
 {
     return (float)((channel + 1) * (1 + (x / 4 + 3 * (y / 4)) % 7)) / 8;
@@ -340,7 +340,7 @@ static void test_compressions(void)
         unsigned wrong = 0;
         size_t size;
         uint8_t *data;
-        /* 3.1.5 writes B44 chunks that would not shrink in a way that only itself reads: no file to test with. */
+        /* 3.1.5 writes incompressible B44 chunks in a way that only 3.1.5 reads, so they cannot be tested. */
         if ((compression == EXR_COMPRESSION_B44 || compression == EXR_COMPRESSION_B44A) && (is_float || tiled))
             continue;
         CHECK(write_by_library(path, (exr_compression_t)compression, is_float, tiled) == EXR_ERR_SUCCESS);

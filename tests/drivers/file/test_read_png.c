@@ -1,4 +1,4 @@
-/* PNG files written by libpng: what their colour chunks make of the samples, and every layout. */
+/* PNG files written by libpng: the effect of their colour chunks on the samples, and every layout. */
 #include "still_check.h"
 
 #include <png.h>
@@ -97,10 +97,10 @@ static void test_curves(void)
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, a, b, 1));
     p.gamma = 0.45455;
     CHECK(read_picture(&still, &p) == 0 && rgb_near(&still, 0, 0, pow(a, 2.2), pow(b, 2.2), 1, 1e-5));
-    p.srgb = 1; /* goes before gAMA */
+    p.srgb = 1; /* comes before gAMA */
     p.gamma = 0.45455;
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, srgb(a), srgb(b), 1));
-    p.cicp = 1; /* goes before everything */
+    p.cicp = 1; /* comes before everything */
     memcpy(p.cicp_data, "\1\10\0\1", 4);
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, a, b, 1));
     memcpy(p.cicp_data, "\1\15\0\1", 4);
@@ -184,7 +184,7 @@ static void test_few_bits(void)
     pupil_still still = {0};
     CHECK(read_picture(&still, &p) == 0 && still.pixel == PUPIL_PIXEL_RGB8);
     CHECK(memcmp(still.pixels, "\0\0\0\377\377\377\0\0\0\377\377\377", 12) == 0);
-    p.type = PNG_COLOR_TYPE_PALETTE; /* with a transparent first colour, which stays what it is */
+    p.type = PNG_COLOR_TYPE_PALETTE; /* the first colour is transparent; it keeps its value */
     CHECK(read_picture(&still, &p) == 0 && still.pixel == PUPIL_PIXEL_RGB8);
     CHECK(memcmp(still.pixels, "\377\0\200\12\24\36\377\0\200\12\24\36", 12) == 0);
     p.gamma = 1; /* and as float, with a code table of 8 bits */
@@ -192,7 +192,7 @@ static void test_few_bits(void)
     pupil_still_free(&still);
 }
 
-/* Of codes and of floats; the other ways of TIFF are the same. */
+/* For codes and for floats; TIFF's other orientations use the same code. */
 static void test_upright(void)
 {
     static const uint8_t rows[] = {1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0};

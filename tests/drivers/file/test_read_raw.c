@@ -41,7 +41,8 @@ static const float *pixel(const pupil_still *s, uint32_t x, uint32_t y)
     return (const float *)s->pixels + ((size_t)y * s->width + x) * 3;
 }
 
-/* Four patches of grey, of a mosaic whose sensor sees half as much red and 0.8 of blue: black, 0.25, 0.5 and white. */
+/* Four patches of grey, of a mosaic whose sensor sees half of the red and 0.8 of the blue: black, 0.25, 0.5 and
+ * white. */
 static void test_grey(int is_linear)
 {
     static const uint32_t neutral[3] = {500, 1000, 800};
@@ -68,7 +69,7 @@ static void test_grey(int is_linear)
     pupil_still_free(&still);
 }
 
-/* Pure red of Rec.709, and the orientations of TIFF: where the upper left quarter, which alone is lit, goes. */
+/* Pure red of Rec.709, and TIFF's orientations: where the upper left quarter, the only lit one, goes. */
 static void test_colour(void)
 {
     static const struct {
@@ -95,7 +96,7 @@ static void test_colour(void)
     }
 }
 
-/* Cut anywhere, and with any byte of its header changed, it is read or refused with a sentence. */
+/* Cut anywhere, or with any byte of its header changed, the file is read or refused with a sentence. */
 static void test_damage(void)
 {
     const dng d = {SIDE, SIDE, 0, 0, 4000, {1000, 1000, 1000}, 1, sample};
@@ -110,7 +111,7 @@ static void test_damage(void)
     pupil_still_free(&still);
 }
 
-/* One bit of a DNG changed: LibRaw 0.20 crashes on it. Refused, and what comes next is read. */
+/* One bit of a DNG changed: LibRaw 0.20 crashes on it. It is refused, and the next file is read. */
 static void test_crash(void)
 {
     static const char path[] = PUPIL_SOURCE_DIR "/tests/fuzz/seeds/fuzz_dng/crashes_libraw_0.20.dng";

@@ -1,5 +1,5 @@
-/* TIFF, made tag by tag in both byte orders: what its first directory says, which kinds are refused because libav would
- * make something else of them, and which it lacks. And other files of libav's that are no pictures of pupil's. */
+/* TIFF, made tag by tag in both byte orders: what its first directory says, and which kinds are refused because libav
+ * would decode them wrongly or not at all. Also other files that libav reads and pupil does not take as pictures. */
 #include "file/still/still.h"
 #include "file/still/tiff_tags.h"
 #include "file/still/upright.h"
@@ -27,8 +27,8 @@ static void add(tiff *t, uint32_t value, int bytes)
         t->bytes[t->size++] = (uint8_t)(value >> 8 * (t->is_big ? bytes - 1 - i : i));
 }
 
-/* A header, one directory, and samples of a quarter of white behind it, but one of 0 at the beginning of the second
- * row: StripOffsets has their place. */
+/* A header, one directory, then samples of a quarter of white, except a 0 at the beginning of the second row;
+ * StripOffsets has their position. */
 static tiff tiff_of(int is_big, const tag *tags, uint32_t count)
 {
     tiff t = {.is_big = is_big};
@@ -54,7 +54,7 @@ static tiff tiff_of(int is_big, const tag *tags, uint32_t count)
     return t;
 }
 
-/* A grey picture of 4 x 2, with one tag in the place of the one that it has, or more. */
+/* A grey picture of 4 x 2, with one tag replaced or added. */
 static tiff picture(int is_big, tag other)
 {
     static const tag all[] = {{256, SHORT, 4}, {257, SHORT, 2}, {258, SHORT, 8}, {259, SHORT, 1}, {262, SHORT, 1},
@@ -138,7 +138,7 @@ static void test_upright(void)
     }
 }
 
-/* The Exif of a WebP and of a PNG; cut off anywhere it is none. */
+/* The Exif of a WebP and of a PNG; cut off anywhere it is ignored. */
 static void test_exif_in_chunks(void)
 {
     static const uint8_t png[] = "\x89PNG\r\n\x1a\n\0\0\0\3oddXabccrc.\0\0\0\x1a"
@@ -159,7 +159,7 @@ static int sample(const clip *c, int frame, int component, int x, int y)
     return 100 + frame + component + x + y;
 }
 
-/* A video's first frame is a picture, if it is one of SDR; so are its containers read from memory. */
+/* The first frame of an SDR video is a picture, also when the video is read from memory. */
 static void test_of_video(void)
 {
     static const struct {

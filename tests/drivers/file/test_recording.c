@@ -1,4 +1,4 @@
-/* Recordings: every format there and back, bit for bit; the queue; the disk full; words that are wrong. */
+/* Recordings: every format, written and read back bit for bit; the queue; a full disk; wrong words. */
 #include "check.h"
 #include "scratch.h"
 
@@ -30,7 +30,7 @@ static void test_round_trip(void)
         }
 }
 
-/* A frame whose coding is not given has the usual one; numbers that JSON has no word for are unknown. */
+/* A frame without a coding gets the default one; numbers that JSON cannot express are unknown. */
 static void test_unknown(void)
 {
     test_frames frames;
@@ -56,7 +56,7 @@ static void test_unknown(void)
     frames_free(&frames);
 }
 
-/* Whole numbers come back in full, however large, and are quoted where a double would round them. */
+/* Integers come back exactly, however large, and are quoted if a double would round them. */
 static void test_large(void)
 {
     static const struct {
@@ -89,7 +89,7 @@ static void test_large(void)
     frames_free(&frames);
 }
 
-/* The number of a frame, too, which no test can record as many of. */
+/* So does the number of a frame; no test can record that many. */
 static void test_large_frame(void)
 {
     static const uint64_t numbers[] = {0, (UINT64_C(1) << 53) - 1, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1,
@@ -109,7 +109,7 @@ static void test_large_frame(void)
 
 /* --- the queue --- */
 
-/* More frames at once than one slot and any disk can take: what is not written is counted, and the rest is in order. */
+/* More frames at once than one slot and any disk can take: unwritten frames are counted, the others are in order. */
 static void test_lost(void)
 {
     const pupil_recorder_options one = {.fps = 30, .room = 1};
@@ -180,7 +180,7 @@ static void test_refused(void)
 
     frames.frame[0].image.pixel = PUPIL_PIXEL_COUNT;
     check_refused(&frames, folder, "refused: frames of pixel format ");
-    frames.frame[0].image.pixel = PUPIL_PIXEL_RGBA16F; /* one row too many: 2^28 - 4 bytes are what Matroska's have */
+    frames.frame[0].image.pixel = PUPIL_PIXEL_RGBA16F; /* one row too many: Matroska's limit is 2^28 - 4 bytes */
     frames.frame[0].image.width = 8192;
     frames.frame[0].image.height = 4096;
     check_refused(&frames, folder, "refused: frames of 268435456 bytes cannot be recorded; at most 268435452 can");
@@ -216,7 +216,7 @@ static size_t mkv_of_full(unsigned char *bytes, size_t most)
     return size;
 }
 
-/* No file may have more bytes than that; each whole frame has its place in what is not limited. */
+/* Files are limited to `limit` bytes. `ends`: where each frame ends in an unlimited recording. */
 static void check_full(const test_frames *frames, const size_t *ends, unsigned long limit)
 {
     static unsigned char bytes[1 << 17];
@@ -248,7 +248,7 @@ static void test_full(void)
     scratch_clear(folder);
     for (unsigned long limit = 1; limit < 8000; limit += 1 + check_random() % 400)
         check_full(&frames, ends, limit);
-    check_full(&frames, ends, ends[FULL - 1]); /* of what follows them, nothing or a part */
+    check_full(&frames, ends, ends[FULL - 1]); /* nothing, or a part, of what follows them */
     check_full(&frames, ends, ends[FULL - 1] + 100);
     frames_free(&frames);
 }
@@ -257,7 +257,7 @@ static void test_full(void)
 
 static char text[65536];
 
-/* The recording with `from` once replaced by `to` in one of its files. */
+/* The recording with one `from` replaced by `to` in one of its files. */
 static void check_text(const char *folder, const char *name, const char *from, const char *to, const char *sentence)
 {
     char path[1100];
@@ -353,7 +353,8 @@ static void test_knees(void)
     frames_free(&frames);
 }
 
-/* White balance that follows the frames: each has its own, and those of the first one's have none in their line. */
+/* White balance that follows the frames: each has its own; frames with the first one's balance have none in their
+ * line. */
 static void test_balance(void)
 {
     test_frames frames;

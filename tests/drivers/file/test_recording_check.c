@@ -1,4 +1,4 @@
-/* What a recording can be of: each size, rate and coding that is refused, by its sentence. */
+/* What can be recorded: each size, rate and coding that is refused, with its sentence. */
 #include "file/recording/recording_format.h"
 
 #include <math.h>

@@ -36,7 +36,7 @@ static file load(const char *folder, const char *name)
     return f;
 }
 
-/* Without emptying it first: some file systems then write it to the disk at every close. */
+/* Not truncated first: some file systems then write it to the disk at every close. */
 static void store(const file *f, size_t size)
 {
     const int fd = open(f->path, O_WRONLY);
@@ -70,7 +70,7 @@ static void record_until_killed(const test_frames *frames, const char *folder)
     }
 }
 
-/* How many came back as they were given; -1: one was another. */
+/* How many came back unchanged; -1: one differs. */
 static int check_killed(const test_frames *frames, const char *folder)
 {
     pupil_source *source;
@@ -106,7 +106,7 @@ static void test_killed(void)
         const pid_t child = fork();
         if (child == 0)
             record_until_killed(&frames, folder);
-        /* every other time from the first frame on: a busy machine may take longer to write it than 20 ms */
+        /* every other time counted from the first frame: a busy machine may need more than 20 ms to write it */
         for (int ms = 0; i % 2 && ms < 10000 && !pupil_is_recording(folder); ms++)
             usleep(1000);
         usleep(after_us);
@@ -187,7 +187,7 @@ static void test_cut(void)
     frames_free(&frames);
 }
 
-/* A frame in the middle that Matroska's readers pass over: its line is not given another's pixels. */
+/* A frame in the middle that Matroska readers skip: its line does not get another frame's pixels. */
 static void test_passed_over(void)
 {
     test_frames frames;

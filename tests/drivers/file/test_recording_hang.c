@@ -1,4 +1,4 @@
-/* A disk that hangs: a recorder is given up on request, and what was written before replays. */
+/* A disk that hangs: the recorder gives up on request, and what was written before can be replayed. */
 #include "check.h"
 #include "scratch.h"
 
@@ -10,10 +10,10 @@
 
 static pupil_why why;
 
-/* The writes of everything that is linked in, wrapped by the linker (tests/CMakeLists.txt). */
+/* write() of all linked code, wrapped by the linker (tests/CMakeLists.txt). */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t moved = PTHREAD_COND_INITIALIZER;
-static int hangs, hanging; /* the disk does; a write waits for it */
+static int hangs, hanging; /* whether the disk hangs; a write waits for its end */
 
 ssize_t __real_write(int fd, const void *bytes, size_t count);
 ssize_t __wrap_write(int fd, const void *bytes, size_t count);
@@ -63,7 +63,7 @@ static void await_written(pupil_recorder *recorder, uint64_t count)
     } while (counts.written < count);
 }
 
-/* `waits`: a source that can wait, and then write does. Three frames are on the disk when it hangs. */
+/* `waits`: the source can wait, so write does. Three frames are on the disk when it hangs. */
 static void test_hang(int waits)
 {
     const pupil_recorder_options options = {.fps = 30, .wait = waits, .give_up = give_up};
@@ -84,7 +84,7 @@ static void test_hang(int waits)
     for (; written < 30 && pupil_recorder_write(recorder, &frames.frame[written], &why) == 0; written++)
         if (written == 3)
             await_hang();
-    /* one that hangs and one that waits for it; of a camera all are taken, and those for which there is no room lost */
+    /* one frame hangs and one waits for it; a camera's frames are all taken, and lost if there is no room */
     CHECK_MSG(written == (waits ? 5 : 30), "%d frames", written);
     if (waits)
         CHECK_MSG(strstr(why.text, "the disk hangs, and is waited for no more; the 3 frames before are whole"), "%s",
@@ -94,10 +94,10 @@ static void test_hang(int waits)
               why.text);
     CHECK_MSG(asked >= 3, "asked %d times", asked);
     CHECK_MSG(frames_replay(&frames, folder, &why) == 3, "%s",
-              why.text); /* as it is now, and would be were it killed */
+              why.text); /* as it is now, and as it would be if killed */
     set_disk(0);         /* its thread ends by itself */
     pupil_source *source = NULL;
-    for (int whole = 3; whole < 4;) { /* the frame that hung came to its end, too; the test has a time limit */
+    for (int whole = 3; whole < 4;) { /* the hanging frame is completed, too; the test has a time limit */
         usleep(1000);
         pupil_frame frame;
         whole = 0;
@@ -113,7 +113,7 @@ static void test_hang(int waits)
     frames_free(&frames);
 }
 
-/* A disk that is slow alone is waited for, however often that is asked. */
+/* A disk that is only slow is waited for, regardless of how often give_up is called. */
 static void *mend(void *unused)
 {
     (void)unused;

@@ -20,7 +20,7 @@ static const pupil_recorder_options waiting = {.fps = 30, .wait = 1};
 typedef struct jpegs {
     uint8_t bytes[COUNT][MOST];
     size_t size[COUNT];
-    int broken; /* this one is none; -1: all are whole */
+    int broken; /* this frame is damaged; -1: all are whole */
 } jpegs;
 
 static void make(jpegs *j, uint32_t width, uint32_t height, uint32_t across, uint32_t down, uint32_t components)
@@ -39,7 +39,7 @@ static void make(jpegs *j, uint32_t width, uint32_t height, uint32_t across, uin
     j->broken = -1;
 }
 
-/* As a camera's source hands it out. */
+/* As a camera's source delivers it. */
 static pupil_frame frame_of(const jpegs *j, int i, pupil_jpeg *decoder)
 {
     pupil_frame frame = {.name = "jpeg", .coded = j->bytes[i], .coded_bytes = j->size[i]};
@@ -53,7 +53,7 @@ static void record(jpegs *j, const char *folder, pupil_jpeg *decoder)
     pupil_recorder *recorder = NULL;
     for (int i = 0; i < COUNT; i++) {
         pupil_frame frame = frame_of(j, i, decoder);
-        if (i == j->broken) /* its middle is another's: the camera's source would not hand it out */
+        if (i == j->broken) /* its middle is another frame's: the camera's source would not deliver it */
             memset(j->bytes[i] + 2, 0x55, j->size[i] - 2);
         if (!recorder)
             CHECK_MSG(pupil_recorder_open(&recorder, folder, &frame, &waiting, &why) == 0, "%s", why.text);
@@ -110,7 +110,7 @@ int main(int argc, char **argv)
 {
     static const uint32_t shapes[][5] = {
         {64, 48, 2, 1, 3}, {64, 48, 2, 2, 3}, {63, 47, 2, 2, 3},
-        {64, 48, 1, 1, 3}, {40, 24, 1, 1, 1}, {8, 8, 1, 1, 1}}; /* the last: more bytes than its pixels have */
+        {64, 48, 1, 1, 3}, {40, 24, 1, 1, 1}, {8, 8, 1, 1, 1}}; /* the last one: more bytes than its pixels have */
     static const pupil_coding codings[] = {{.range = PUPIL_RANGE_FULL},
                                            {.matrix = PUPIL_MATRIX_BT709, .light = PUPIL_LIGHT_SRGB}};
     static jpegs j;

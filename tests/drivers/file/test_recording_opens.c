@@ -1,5 +1,5 @@
-/* What other programs see in a recording: libavformat finds a key frame for every frame, with its time and its very
- * bytes, and FFmpeg's own pixel format where it has one. */
+/* What other programs see in a recording: for every frame, libavformat finds a key frame with the same time and bytes,
+ * and FFmpeg's own pixel format if it has one. */
 #include "check.h"
 #include "scratch.h"
 
@@ -16,7 +16,7 @@
 
 static pupil_why why;
 
-/* The pixel format that FFmpeg decodes to, for the coding's order of a mosaic. NULL: it has none. */
+/* The pixel format that FFmpeg decodes to, for the coding's mosaic order. NULL: it has none. */
 static const char *name_of(uint32_t pixel, uint32_t bayer)
 {
     static const char *const orders[] = {"rggb", "grbg", "gbrg", "bggr"};
@@ -138,7 +138,7 @@ static void test_formats(void)
         }
 }
 
-/* More frames than the index has entries: seeking finds the frame at a time, or the one before it in the index. */
+/* More frames than the index has entries: seeking to a time finds its frame, or the one before it in the index. */
 static void test_seek(void)
 {
     const pupil_recorder_options options = {.fps = 1000, .wait = 1};

@@ -1,4 +1,4 @@
-/* The sinks for pictures and YUV4MPEG2, what all sinks share, and what they leave behind. */
+/* The sinks for pictures and YUV4MPEG2, what all sinks have in common, and what they leave behind. */
 #include "scratch.h"
 
 #include "file/file_sink.h"
@@ -35,7 +35,7 @@ static int put(pupil_sink *sink, pupil_image image)
     return pupil_sink_write(sink, &in, NULL, &why);
 }
 
-/* The file's pixels, by libpng's simplified reader, against the image. */
+/* Compares the file's pixels, by libpng's simplified reader, with the image. */
 static int png_is(const char *path, const pupil_image *image)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
@@ -87,7 +87,7 @@ static void test_png(void)
     remove(path);
 }
 
-/* A PNG of BT.2020 says so, and not that it is sRGB's: read again, its colours are those of BT.2020. */
+/* A BT.2020 PNG is tagged so, not as sRGB: read again, its colours are BT.2020's. */
 static void test_png_bt2020(void)
 {
     static const uint8_t red[3] = {255, 0, 0};
@@ -113,7 +113,7 @@ static void test_png_bt2020(void)
     remove(path);
 }
 
-/* JPEG and TIFF do not say which colours they have: others than sRGB's are refused, and nothing is left. */
+/* JPEG and TIFF files do not say which primaries they have, so any but sRGB's are refused, and nothing is left. */
 static void test_srgb_alone(void)
 {
     static const char *const names[] = {"wide.jpg", "wide.tif"};
@@ -135,7 +135,7 @@ static void test_srgb_alone(void)
     }
 }
 
-/* A PNG in another transfer than sRGB's does not say that it is sRGB. */
+/* A PNG with a transfer other than sRGB's is not tagged as sRGB. */
 static void test_png_transfer(void)
 {
     static const uint8_t grey[3] = {51, 51, 51};
@@ -306,7 +306,7 @@ static void test_y4m(void)
     test_y4m_frames(path, "F10000:333", 2, 2, 1 / 0.0333);
 }
 
-/* Runs two frames to standard output, which is `fd`; what the last call said. */
+/* Writes two frames to standard output, which is `fd`; returns the last call's result. */
 static int to_stdout(int fd, int frames)
 {
     const int saved = dup(STDOUT_FILENO);
@@ -344,7 +344,7 @@ static void test_stdout(void)
     free(bytes);
     remove(scratch("stream"));
 
-    signal(SIGPIPE, SIG_IGN); /* as the program has it */
+    signal(SIGPIPE, SIG_IGN); /* as in the program */
     CHECK(pipe(ends) == 0);
     close(ends[0]);
     CHECK_REFUSED_AT(to_stdout(ends[1], 2), "standard output", "reader is gone");
@@ -444,7 +444,7 @@ static void test_nothing_left(void)
     free(small_memory);
 }
 
-/* A live output that runs out of room keeps its whole frames, and says how many. */
+/* A live output on a full disk keeps its complete frames, and says how many. */
 static void test_live_full(void)
 {
     uint8_t *memory;
@@ -456,7 +456,7 @@ static void test_live_full(void)
         pupil_sink *sink;
         size_t size;
         CHECK_MSG(pupil_file_sink_open(path, &options, &sink, &why) == 0, "%s", why.text);
-        memset(memory, 0, 48 * (size_t)image.stride_bytes); /* a PNG of 100 bytes; that of noise has 9000 */
+        memset(memory, 0, 48 * (size_t)image.stride_bytes); /* a PNG of 100 bytes; noise has 9000 */
         CHECK(put(sink, image) == 0 && scratch_exists(path) == !is_folder && put(sink, image) == 0);
         scratch_noise(&image);
         scratch_limit(is_folder ? 5000 : 100 + frame_bytes * 5 / 2);

@@ -1,4 +1,4 @@
-/* Standard input: what it is known by, what stays in the pipe, and calls that a signal interrupts. */
+/* Standard input: how its kind is detected, what stays in the pipe, and calls that a signal interrupts. */
 #include "file/standard_input.h"
 
 #include <fcntl.h>
@@ -16,7 +16,7 @@ static int stop(void)
     return stopping;
 }
 
-/* Standard input has these bytes, in a pipe or a file; what it was, for take_back. */
+/* Makes standard input a pipe or a file with these bytes; returns the old one, for take_back. */
 static int give(const char *bytes, size_t size, int as_file)
 {
     int ends[2] = {-1, -1};
@@ -57,10 +57,10 @@ static const struct {
               {"YUV4MPEG2 W1 H1\n", 16, 0},
               {"\0\0\0\x10"
                "ftypisom\0\0\2\0\0\0\0\x10moov",
-               24, 0}, /* its index comes first: read as it comes */
+               24, 0}, /* its index comes first: streamed */
               {"\0\0\0\x10"
                "ftypisom\0\0\2\0\0\0\0\x10mdat",
-               24, 0}, /* last: into memory */
+               24, 0}, /* last: read into memory */
               {"\0\0\1\0"
                "ftypisom",
                12, 0},
@@ -87,8 +87,8 @@ static void test_kinds(void)
 
 enum { FAILS, INTERRUPTED, STOPPED };
 
-/* With one call failing, or interrupted. Where nobody wants to stop, a signal makes no difference to a read; else there
- * is a sentence. 0: there is no such call. */
+/* Runs with one call failing or interrupted. Without a request to stop, a signal does not affect a read; otherwise
+ * there is a sentence. 0: there is no such call. */
 static int run(size_t i, int as_file, int how, unsigned long at)
 {
     const char *failed;

@@ -1,12 +1,12 @@
-/* The shared images: their luminance against published figures, and the valid but unusual ones against what each is
- * known to hold. */
+/* The shared images: their luminance against published figures, and valid but unusual ones against their known
+ * contents. */
 #include "still_check.h"
 
 static pupil_still still;
 static pupil_why said;
 
 typedef struct figures {
-    double least, geometric_mean, most; /* of the luminance above 0 */
+    double least, geometric_mean, most; /* of luminances above 0 */
 } figures;
 
 /* Rec.709 weights on the stored values. */
@@ -65,7 +65,7 @@ static int load_unusual(const char *shared, const char *name)
     return pupil_still_load(&still, path, &said);
 }
 
-/* The picture of one file read through every compression: the lossless ones the same to the bit. */
+/* The picture of one file in every compression: lossless ones are the same to the bit. */
 static void test_compressions(const char *shared)
 {
     static const char *const exact[] = {"f16_uncompressed", "f16_rle",          "f16_zips", "f16_zip",  "f16_piz",

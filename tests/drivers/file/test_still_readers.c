@@ -77,13 +77,13 @@ static int read_hdr(pupil_still *still, const char *header, const void *pixels, 
     return read_exact(pupil_read_radiance, still, b.data, b.size, &why);
 }
 
-/* A picture of 2 x 3 whose red is the place in the file: where does each land? */
+/* A picture of 2 x 3 whose red is the position in the file: where does each pixel land? */
 static void test_radiance_orientations(void)
 {
     static const struct {
         const char *line;
         uint32_t width, height;
-        int order[6]; /* the places in the file, row by row from the top left */
+        int order[6]; /* the positions in the file, row by row from the top left */
     } cases[] = {
         {"-Y 3 +X 2\n", 2, 3, {0, 1, 2, 3, 4, 5}}, {"-Y 3 -X 2\n", 2, 3, {1, 0, 3, 2, 5, 4}},
         {"+Y 3 +X 2\n", 2, 3, {4, 5, 2, 3, 0, 1}}, {"+Y 3 -X 2\n", 2, 3, {5, 4, 3, 2, 1, 0}},
@@ -120,7 +120,7 @@ static void test_radiance_header(void)
     CHECK(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 1\n", least, 4) == 0);
     CHECK(rgb_is(&still, 0, 0, 0x1p-135, 0x1p-134, 255 * 0x1p-135));
 
-    /* Unspecified primaries leave the bits alone; so do Rec.709's own. */
+    /* Unspecified primaries leave the bits unchanged; so does Rec.709. */
     CHECK(read_hdr(&still, "#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n\n-Y 1 +X 1\n", red, 4) == 0);
     CHECK(rgb_is(&still, 0, 0, 1, 0, 0));
     CHECK(read_hdr(&still, "#?RADIANCE\nPRIMARIES=.64 .33 .3 .6 .15 .06 .313 .329\n\n-Y 1 +X 1\n", red, 4) == 0);
@@ -131,7 +131,7 @@ static void test_radiance_header(void)
     CHECK(read_hdr(&still, "#?RADIANCE\nPRIMARIES=.708 .292 .17 .797 .131 .046 .3127 .329\n\n-Y 1 +X 1\n", red, 4) ==
           0);
     CHECK(rgb_near(&still, 0, 0, 1.6605, -0.1246, -0.0182, 1e-4));
-    /* Radiance's own primaries: only the white differs, and white stays white. */
+    /* Radiance's own primaries: only the white point differs, and white stays white. */
     CHECK(read_hdr(&still, "#?RADIANCE\nPRIMARIES=.64 .33 .29 .6 .15 .06 .333 .333\n\n-Y 1 +X 1\n", white, 4) == 0);
     CHECK(rgb_near(&still, 0, 0, 1, 1, 1, 1e-6));
     /* XYZ of the equal-energy white is white; X alone is red beyond the gamut. */
@@ -153,7 +153,7 @@ static void test_radiance_runs(void)
     CHECK(rgb_is(&still, 0, 0, 1, 1 / 128., 9 / 128.) && rgb_is(&still, 2, 0, 1, 3 / 128., 7 / 128.));
     CHECK(rgb_is(&still, 3, 0, 1, 0.5, 6 / 128.) && rgb_is(&still, 8, 0, 2, 1, 2 / 128.));
 
-    /* 1 + 44 + 256 pixels of red, a green one, a repeat of none, a blue one. */
+    /* 1 + 44 + 256 red pixels, a green one, a repeat of length 0, a blue one. */
     CHECK_MSG(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 303\n", old_kind, sizeof old_kind) == 0, "%s", why.text);
     CHECK(rgb_is(&still, 0, 0, 1, 0, 0) && rgb_is(&still, 300, 0, 1, 0, 0) && rgb_is(&still, 301, 0, 0, 1, 0) &&
           rgb_is(&still, 302, 0, 0, 0, 1));
@@ -230,7 +230,7 @@ static void test_load(void)
     write_file(path, "PF\n40000 40000\n-1\n", 18);
     CHECK(pupil_still_load(&still, path, &said) == -1 && strncmp(said.text, path, strlen(path)) == 0 &&
           strstr(said.text, ".hdr: the header promises 40000 x 40000 pixels; at most 16384 a side are read"));
-    write_file(path, "Pf 1\033[31m 1 -1\n", 15); /* what a file says does not reach a terminal as it is */
+    write_file(path, "Pf 1\033[31m 1 -1\n", 15); /* control characters in a file do not reach the terminal */
     CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "\"1?[31m\""));
     CHECK(pupil_still_load(&still, scratch_folder, &said) == -1 && strstr(said.text, "is a folder"));
     CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "not a regular file"));
@@ -250,7 +250,7 @@ static void test_load(void)
     still.max_pixels = 8192 * 8192 - 1;
     CHECK(pupil_still_load(&still, path, &said) == -1 && strstr(said.text, "at most 67108863 are read"));
     still.max_pixels = 0;
-    write_file(path, "Pf 1 1 -1\n\0\0\0\100", 14); /* and a refusal does not spoil the still */
+    write_file(path, "Pf 1 1 -1\n\0\0\0\100", 14); /* a refusal does not spoil the still */
     CHECK(pupil_still_load(&still, path, &said) == 0 && rgb_is(&still, 0, 0, 2, 2, 2));
     pupil_still_free(&still);
     CHECK(!still.pixels && !still.file);

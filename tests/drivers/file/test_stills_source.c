@@ -1,4 +1,4 @@
-/* Sequences of stills: what is opened, in which order, when, and what a lost frame does. */
+/* Sequences of stills: what is opened, in which order, when, and what happens at a lost frame. */
 #include "still_check.h"
 
 #include "file/file_source.h"
@@ -25,7 +25,7 @@ static void put_folder(const char *name)
 
 static void test_order(void)
 {
-    /* Each before all that follow. */
+    /* Each sorts before all that follow. */
     static const char *const rising[] = {"a",
                                          "a-1",
                                          "a0",
@@ -50,7 +50,7 @@ static void test_order(void)
         }
     CHECK_MSG(wrong == 0, "%u pairs", wrong);
     CHECK(pupil_natural_compare("f2.exr", "f10.exr") < 0 && pupil_natural_compare("f02.exr", "f2.exr") < 0);
-    CHECK(pupil_natural_compare("x1y02", "x01y1") > 0); /* the later number decides before leading zeros do */
+    CHECK(pupil_natural_compare("x1y02", "x01y1") > 0); /* a later number counts more than leading zeros */
 }
 
 static pupil_source *open_one(const char *input, double fps)
@@ -91,12 +91,12 @@ static void test_inputs(void)
     const char *with_video[2] = {scratch("one/f10.pfm"), scratch("clip.mp4")};
     pupil_source *source = NULL;
     put_folder("one");
-    put_folder("one/sub.exr"); /* a folder is no still, regardless of its name */
+    put_folder("one/sub.exr"); /* a folder is not a still, regardless of its name */
     put_folder("two");
     put_folder("none");
     put_still("one/f10.pfm", 10);
     put_still("one/f9.PFM", 9);
-    put_still("one/f2.hdr", 2); /* the first bytes give the kind, the extension only says that it is one */
+    put_still("one/f2.hdr", 2); /* the first bytes give the format, the extension only that it is a still */
     put_still("one/.f1.pfm", 1);
     put_still("one/notes.txt", 77);
     put_still("two/x1.pfm", 101);
@@ -107,7 +107,7 @@ static void test_inputs(void)
     CHECK(strcmp(values(open_one(scratch("one/"), 0)), "2 9 10 ") == 0);
     CHECK(strcmp(values(open_one(scratch("one/f*"), 0)), "2 9 10 ") == 0);
     CHECK(strcmp(values(open_one(scratch("*/?[0-9]*.pfm"), 0)), "10 101 ") == 0);
-    CHECK(strcmp(values(open_one(scratch("two/[x]1.pfm"), 0)), "100 ") == 0); /* a file's name before a pattern */
+    CHECK(strcmp(values(open_one(scratch("two/[x]1.pfm"), 0)), "100 ") == 0); /* a literal name before a pattern */
     CHECK(pupil_file_source_open(two, 2, NULL, &source, &why) == 0 && source->frames == 3);
     CHECK(strcmp(values(source), "10 100 101 ") == 0);
 
@@ -144,12 +144,12 @@ static void test_frames(void)
     CHECK(frame.info.timestamp_ns == 0 && frame.info.exposure_s == 0 && frame.info.gain == 0);
     pixels = frame.image.data;
     pupil_source_done(source, &frame);
-    write_file(scratch("lost.pfm"), "Pf 2 1 -1\n1234", 14); /* damaged, after the opening */
+    write_file(scratch("lost.pfm"), "Pf 2 1 -1\n1234", 14); /* damaged after it was opened */
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_DAMAGED);
     CHECK(strncmp(why.text, paths[1], strlen(paths[1])) == 0 && strstr(why.text, "need 8 bytes"));
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_FRAME);
     CHECK(frame.image.data == pixels);                                      /* the same memory again */
-    CHECK(frame.info.sequence == 2 && frame.info.timestamp_ns == 80000000); /* a lost frame keeps its time */
+    CHECK(frame.info.sequence == 2 && frame.info.timestamp_ns == 80000000); /* a lost frame keeps its time slot */
     pupil_source_done(source, &frame);
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);
     CHECK(pupil_source_next(source, &frame, &why) == PUPIL_SOURCE_END);

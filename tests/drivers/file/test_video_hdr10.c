@@ -1,7 +1,6 @@
-/* A photograph as HDR10 and as HLG, BT.2020 of 4:2:0: the picture that replay makes of such a video, and the one that
- * the library makes of the same codes (I420_10, config.output_primaries). Without chroma they are the same. With it
- * they differ where colours do: replay interpolates chroma, the library shares it among four pixels. By how much is
- * printed. */
+/* A photograph as HDR10 and as HLG, BT.2020 of 4:2:0: replay's picture of such a video, and the library's picture of
+ * the same codes (I420_10, config.output_primaries). Without chroma they are the same. With chroma they differ at edges
+ * of colour: replay interpolates chroma, the library shares it among four pixels. The difference is printed. */
 #include "clip.h"
 #include "scratch.h"
 
@@ -46,7 +45,7 @@ static void to_bt2020(const float *rgb, double out[3])
     out[2] = (m[0] * (m[4] * b - g * m[7]) - m[1] * (m[3] * b - g * m[6]) + r * (m[3] * m[7] - m[4] * m[6])) / det;
 }
 
-/* Kr and Kb of BT.2020-2, table 4; limited range. Chroma of a block is its mean. */
+/* Kr and Kb of BT.2020-2, table 4; limited range. Chroma is the mean of each block. */
 static void encode(const pupil_image_const *still, double (*curve)(double light), int has_chroma)
 {
     for (int y = 0; y < SIDE; y += 2)

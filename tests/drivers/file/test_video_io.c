@@ -1,5 +1,5 @@
-/* Where a video's bytes come from: a file whose index comes last, so that it is read to and fro, by its name and from
- * memory; a file that was read from before; a pipe that nobody writes into until somebody wants to stop. */
+/* Where a video's bytes come from: a file whose index comes last, so that reading seeks, by name and from memory; a
+ * file that was partly read before; a pipe without a writer until a stop is requested. */
 #include "file/video/video_source.h"
 
 #include <fcntl.h>
@@ -15,7 +15,7 @@ static int noise(const clip *c, int frame, int component, int x, int y)
     return (int)(check_random() >> 16 & 255);
 }
 
-/* Of all frames; 0: one did not come. */
+/* Digest of all frames; 0: one did not come. */
 static uint64_t digest_of(pupil_source *source, int frames)
 {
     uint64_t digest = 1;
@@ -56,7 +56,7 @@ static void test_larger_than_a_buffer(void)
     CHECK(pupil_video_source_open_bytes(bytes, size, "memory", 1 << 20, NULL, &source, &why) == 0);
     CHECK_MSG(digest_of(source, large.frames) == by_name, "%s", why.text);
     pupil_source_close(source);
-    /* damaged so that its boxes point anywhere: a sentence or frames, and never beyond the bytes */
+    /* damaged so that its boxes point anywhere: a sentence or frames, and no read beyond the bytes */
     for (size_t at = size - 800; at < size; at += 29) {
         const uint8_t before = bytes[at];
         pupil_frame f;
@@ -76,7 +76,7 @@ static void test_larger_than_a_buffer(void)
     free(bytes);
 }
 
-/* Standard input that is a file, but not at its begin: its offsets are not the video's. */
+/* Standard input is a file, but not at its beginning: file offsets are not the video's. */
 static void test_read_before(void)
 {
     clip c = large;
@@ -111,7 +111,7 @@ static int stop(void)
 
 static void test_silent_pipe(void)
 {
-    for (most = 0; most < 3; most++) { /* at once, and while it is waited for */
+    for (most = 0; most < 3; most++) { /* at once, and while waiting */
         int ends[2];
         pupil_source *source = NULL;
         const int saved = dup(STDIN_FILENO);

@@ -1,6 +1,6 @@
-/* What replay makes of a video (drivers/file/video) and what the library makes of the same codes: the same light, level
- * and picture where chroma is constant, of PQ and HLG to the bit. Where it is not, replay interpolates it and the
- * library shares it among four pixels: by how much that differs is printed. */
+/* A video by replay (drivers/file/video) and the same codes by the library: the same light, level and picture if chroma
+ * is constant, for PQ and HLG to the bit. Otherwise replay interpolates chroma and the library shares it among four
+ * pixels: the difference is printed. */
 #include "clip.h"
 #include "scratch.h"
 
@@ -20,8 +20,8 @@ typedef struct kind {
     uint32_t planar, interleaved, matrix, light;
     enum AVColorSpace space;
     enum AVColorTransferCharacteristic transfer;
-    double level_ev; /* by how much both may differ: of SDR the library interpolates between the points of its tables,
-                      * which is least accurate in the dark first frame */
+    double level_ev; /* how much both may differ: for SDR the library interpolates its tables, least accurately in the
+                      * dark first frame */
 } kind;
 
 static const kind kinds[] = {{"PQ", AV_PIX_FMT_YUV420P10, PUPIL_PIXEL_I420_10, PUPIL_PIXEL_P010, PUPIL_MATRIX_BT2020,
@@ -31,7 +31,8 @@ static const kind kinds[] = {{"PQ", AV_PIX_FMT_YUV420P10, PUPIL_PIXEL_I420_10, P
                              {"SDR of 8 bits", AV_PIX_FMT_YUV420P, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12,
                               PUPIL_MATRIX_BT709, PUPIL_LIGHT_SRGB, AVCOL_SPC_BT709, AVCOL_TRC_BT709, 2e-4}};
 
-/* In frames 0 to 4 luma has all codes of a part of its range and chroma one value; from 5 on chroma rises along x. */
+/* In frames 0 to 4 luma has all codes of a part of its range, and chroma is constant; from 5 on chroma rises along
+ * x. */
 #define FRAMES 7
 static int code_of(const clip *c, int frame, int component, int x, int y)
 {
@@ -42,7 +43,7 @@ static int code_of(const clip *c, int frame, int component, int x, int y)
     return frame < 5 ? chroma[frame][component - 1] * ten : (90 + x / 2 + frame) * ten;
 }
 
-/* The same codes as the library's format, planar or with both chroma planes in one. */
+/* The same codes in the library's format, planar or with interleaved chroma. */
 static pupil_image_const codes_as(const clip *c, int frame, uint32_t pixel, void *memory)
 {
     const pupil_image_const image = pupil_image_const_of(memory, WIDTH, HEIGHT, pixel);

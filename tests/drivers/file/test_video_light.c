@@ -1,5 +1,5 @@
-/* Video codes come out as the light that their standard says, checked in long double: SDR as floats, PQ and HLG as
- * codes of the library. */
+/* Video codes become the light of their standard, checked in long double: SDR as floats, PQ and HLG as codes of the
+ * library. */
 #include "clip.h"
 #include "reference.h"
 #include "scratch.h"
@@ -44,7 +44,7 @@ static void test_tables(void)
                       want);
         }
     }
-    /* Anchors from outside: BT.2408 puts 203 cd/m2 at 58 % PQ; HLG's 75 % is 0.265; 100 cd/m2 is 50.8 % PQ. */
+    /* Published reference points: BT.2408 puts 203 cd/m2 at 58 % PQ; HLG's 75 % is 0.265; 100 cd/m2 is 50.8 % PQ. */
     CHECK(pq(1) == 100 && fabsl(pq(0.5806L) - 2.03L) < 0.005L && fabsl(pq(0.50808L) - 1) < 1e-3L);
     CHECK(fabsl(hlg(0.75L) - 0.26496L) < 2e-5L && fabsl(hlg(1) - 1) < 1e-6L);
     CHECK(pupil_light_table(table, AVCOL_TRC_SMPTE2084) == -1 && pupil_light_table(table, AVCOL_TRC_LOG) == -1);
@@ -78,14 +78,15 @@ static int is_coded(const clip *c)
     return c->transfer == AVCOL_TRC_SMPTE2084 || c->transfer == AVCOL_TRC_ARIB_STD_B67;
 }
 
-/* By how much a signal may be off, of 65535: half a step of the light table, or half a code of Y' and of Cb or Cr,
- * which counts up to 1.4746 times; codes of limited range are exact. */
+/* The tolerance of a signal, of 65535: half a step of the light table, or half a code of Y' and of Cb or Cr, which
+ * counts up to 1.4746 times; codes of limited range are exact. */
 static real signal_slack(const clip *c)
 {
     return !is_coded(c) ? 0.51L : c->range == AVCOL_RANGE_MPEG ? 1e-3L : 0.5L + 0.5L * 1.8814L + 0.01L;
 }
 
-/* What a frame of constant codes must be, in Rec.709 or as PQ and HLG in its own primaries, and the slack. */
+/* The expected value of a frame of constant codes, in Rec.709 or as PQ and HLG in its own primaries, and the
+ * tolerance. */
 static void expected(const clip *c, const int code[3], real (*light)(real), real want[3], real slack[3])
 {
     const AVPixFmtDescriptor *d = av_pix_fmt_desc_get(c->format);
@@ -226,7 +227,7 @@ static void test_chroma(void)
         CHECK_MSG(pupil_video_source_open(scratch("chroma.mkv"), NULL, &source, &why) == 0, "%s", why.text);
         CHECK_MSG(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
         for (int y = 1; y < 15; y++)
-            for (int x = 1; x < 31; x++) { /* off the edges, where there is nothing to interpolate to */
+            for (int x = 1; x < 31; x++) { /* off the edges, where interpolation has no neighbour */
                 real code = 440 + 3 * (x - sites[k].x) + (y - sites[k].y), u = (code - 512) / 896;
                 real want = (600 - 64) / 876.0L + 1.8556L * u;
                 if (n % 2) { /* exactly */
@@ -241,7 +242,7 @@ static void test_chroma(void)
     }
 }
 
-/* What the library has no words for is refused with its name. */
+/* What the library cannot express is refused by name. */
 static void test_refused(void)
 {
     static const struct {

@@ -1,4 +1,4 @@
-/* The video sink: what libav reads back is what was written, when it was written. */
+/* The video sink: libav reads back the frames and times that were written. */
 #include "scratch.h"
 
 #include "file/file_sink.h"
@@ -10,7 +10,7 @@
 
 static pupil_why why;
 
-/* A decoded video: tags of the stream, every frame's time, and for each frame its difference from scratch_waves. */
+/* A decoded video: the stream's tags, every frame's time, and each frame's difference from scratch_waves. */
 typedef struct decoded {
     int frames, width, height;
     int64_t time_us[FRAMES_MAX];
@@ -18,7 +18,7 @@ typedef struct decoded {
     double mean_difference[FRAMES_MAX][3]; /* decoded minus written, mean of R, G, B, codes */
     AVRational rate;
     AVCodecParameters *tags;
-    int pad_repeats; /* the padding column, where there is one, is like its neighbour */
+    int pad_repeats; /* the padding column, if there is one, is like its neighbour */
 } decoded;
 
 static double clamp(double v)
@@ -27,7 +27,7 @@ static double clamp(double v)
 }
 
 /* BT.709 limited range back to RGB, in double and straight from the standard; chroma is sited left in the row and
- * between the rows, and interpolated so. */
+ * between the rows, and interpolated accordingly. */
 static void to_rgb(const AVFrame *f, int x, int y, double rgb[3])
 {
     const int wide = (f->width + 1) / 2, high = (f->height + 1) / 2;
@@ -160,7 +160,7 @@ static void check_picture(const char *path, const decoded *d, const pupil_image 
 static void check_tags(const decoded *d)
 {
     if (!avcodec_find_encoder_by_name("libx264"))
-        return; /* MPEG-4 part 2 has no such tags, nor OpenH264 all of them */
+        return; /* MPEG-4 part 2 has no such tags, and OpenH264 not all */
     CHECK(d->tags->codec_id == AV_CODEC_ID_H264);
     CHECK(d->tags->color_range == AVCOL_RANGE_MPEG);
     CHECK(d->tags->color_space == AVCOL_SPC_BT709);
@@ -174,7 +174,7 @@ static void check_tags(const decoded *d)
     CHECK(d->tags->sample_aspect_ratio.num == d->tags->sample_aspect_ratio.den);
 }
 
-/* An atom's place in the first bytes of a file. */
+/* An atom's position in the first bytes of a file. */
 static long find_atom(const char *path, const char *name)
 {
     static char bytes[1 << 20];
@@ -228,7 +228,7 @@ static void test_sizes(void)
             decoded d;
             record(path, &image, 25, 3, NULL);
             CHECK(decode(path, &d, &image) == 3);
-            /* So few samples: rounding alone is a code of luma and one of chroma, 1.6 times that in red and blue. */
+            /* With so few samples, rounding alone is one code of luma and of chroma, 1.6 times that in red and blue. */
             const int few = sizes[i][0] * sizes[i][1] < 1000;
             check_picture(path, &d, &image, few ? 36 : 42, few ? 4 : 0.25);
             check_tags(&d);
@@ -251,7 +251,7 @@ static void test_times(void)
         {4, {77 * hour, 77 * hour + 10 * ms, 77 * hour + 20 * ms, 77 * hour + 90 * ms}, {0, 10000, 20000, 90000}},
         {4, {0, 0, 0, 0}, {0, 100000, 200000, 300000}},
         {6, {0, 0, 0, 5 * ms, 10 * ms, 10 * ms}, {0, 100000, 200000, 205000, 210000, 310000}},
-        {4, {100 * ms, 150 * ms, 20 * ms, 60 * ms}, {0, 50000, 150000, 190000}},           /* back in time */
+        {4, {100 * ms, 150 * ms, 20 * ms, 60 * ms}, {0, 50000, 150000, 190000}},           /* backwards in time */
         {4, {0, 77 * hour, 77 * hour + 30 * ms, 200 * hour}, {0, 100000, 130000, 230000}}, /* a clock that was set */
         {3, {INT64_MIN, INT64_MAX, INT64_MAX}, {0, 100000, 200000}},
     };
@@ -287,7 +287,7 @@ static void test_times(void)
     free(memory);
 }
 
-/* The largest side works; more pixels than H.264 has levels for are refused, and nothing is left. */
+/* The largest side works; more pixels than the highest H.264 level are refused, and nothing is left. */
 static void test_large(void)
 {
     uint8_t *memory;

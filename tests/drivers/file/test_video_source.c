@@ -31,7 +31,7 @@ static const clip noisy = {"yuv4mpegpipe",
                            noise,
                            NULL};
 
-/* Counts what comes out of an open source, and closes it. The last code of next. */
+/* Counts the frames of an open source, and closes it. Returns the last code of next. */
 static int drain(pupil_source *source, int *frames, int *damaged)
 {
     pupil_frame f;
@@ -58,7 +58,7 @@ static void test_pipe(void)
     int ends[2], kept = dup(STDIN_FILENO), frames, damaged;
     pupil_source *source;
     clip c = noisy;
-    c.codec = "rawvideo"; /* Y4M takes frames wrapped or raw, by the version of libav */
+    c.codec = "rawvideo"; /* Y4M takes wrapped or raw frames, depending on libav's version */
     CHECK(clip_write(&noisy, scratch("pipe.y4m")) == 0 || clip_write(&c, scratch("pipe.y4m")) == 0);
     uint8_t *bytes = clip_load(scratch("pipe.y4m"), &size);
     CHECK(size > 8 * 64 * 36 && pipe(ends) == 0);
@@ -156,8 +156,8 @@ static void test_size_change(void)
     free(b);
 }
 
-/* Cut anywhere, a video either cannot be opened, or hands out whole frames, says that some are missing, and is at its
- * end. */
+/* Cut anywhere, a video either cannot be opened, or delivers complete frames, reports that some are missing, and
+ * ends. */
 static void test_cuts(const char *container, const char *codec)
 {
     size_t size = 0;
@@ -169,7 +169,7 @@ static void test_cuts(const char *container, const char *codec)
     CHECK(clip_write(&c, scratch("cut")) == 0);
     uint8_t *bytes = clip_load(scratch("cut"), &size);
     for (size_t cut = 0; cut <= size; cut += cut == size ? 1 : size - cut < 97 ? size - cut : 97) {
-        uint8_t *part = malloc(cut + 1); /* its own block, so that a sanitizer sees its end */
+        uint8_t *part = malloc(cut + 1); /* its own block, so that a sanitizer sees reads beyond it */
         memcpy(part, bytes, cut);
         if (pupil_video_source_open_bytes(part, cut, "cut", 1 << 20, NULL, &source, &why) == 0) {
             rc = drain(source, &frames, &damaged);

@@ -1,5 +1,5 @@
-/* What is made of a video frame's tags: those that are open are filled in as video_pixels.h says, and what cannot be
- * read is refused by its name. Frames are as decoders hand them out. */
+/* How a video frame's tags are used: unspecified ones are filled in as video_pixels.h says, and what cannot be read is
+ * refused by name. Frames are as from decoders. */
 #include "file/video/video_pixels.h"
 
 #include "check.h"
@@ -19,7 +19,7 @@ static int width = WIDTH; /* of the frames */
 
 static pupil_why why;
 
-/* A frame of colours; the same codes for the same format and height. */
+/* A frame of colours; the same format and height give the same codes. */
 static AVFrame *frame_of(const tags *t)
 {
     AVFrame *f = av_frame_alloc();
@@ -35,7 +35,7 @@ static AVFrame *frame_of(const tags *t)
     for (int plane = 0; plane < 4 && f->buf[plane]; plane++)
         for (size_t i = 0; i < f->buf[plane]->size; i++)
             f->buf[plane]->data[i] =
-                (uint8_t)(i * (size_t)(7 + plane) + 13); /* of more bits than 8: cut by the reader */
+                (uint8_t)(i * (size_t)(7 + plane) + 13); /* of more than 8 bits: cropped by the reader */
     return f;
 }
 
@@ -129,7 +129,7 @@ static void test_filled_in(void)
         check_alike(&cases[i][0], &cases[i][1], i);
 }
 
-/* Limited and full range, and grey of limited range, are not the same. */
+/* Limited range, full range and limited-range grey differ. */
 static void test_differs(void)
 {
     static const tags cases[][2] = {

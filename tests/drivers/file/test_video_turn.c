@@ -1,4 +1,4 @@
-/* All eight ways in which a frame can be stored, of odd sizes, pixel by pixel; what is no quarter turn is refused. */
+/* All eight orientations of a stored frame, at odd sizes, pixel by pixel; anything but a quarter turn is refused. */
 #include "check.h"
 
 #include "file/video/video_turn.h"
@@ -18,7 +18,7 @@ static void set_matrix(int32_t m[9], int xx, int xy, int yx, int yy)
     m[8] = 1 << 30;
 }
 
-/* A sample that is nowhere else. */
+/* A sample value that occurs nowhere else. */
 static uint16_t sample(uint32_t x, uint32_t y, size_t plane)
 {
     return (uint16_t)(1 + x + 251 * y + 20011 * plane);
@@ -37,7 +37,7 @@ static void fill(void *data, uint32_t width, uint32_t height, int floats)
             }
 }
 
-/* Of a whole number of samples, so that the pixel (x, y) goes to (xx x + xy y, yx x + yy y) and the corner. */
+/* The pixel (x, y) goes to (xx x + xy y, yx x + yy y) plus the corner; all are whole samples. */
 static void check_turned(const pupil_image_const *image, uint32_t width, uint32_t height, int floats, const int way[4])
 {
     const int64_t left = (way[0] < 0 ? (int64_t)width - 1 : 0) + (way[1] < 0 ? (int64_t)height - 1 : 0);
@@ -72,14 +72,14 @@ static void test_ways(uint32_t width, uint32_t height)
             set_matrix(matrix, ways[w][0], ways[w][1], ways[w][2], ways[w][3]);
             CHECK(pupil_video_turn_set(&turn, matrix, &why) == 0);
             CHECK(pupil_video_turn_image(&turn, &image, &why) == 0);
-            CHECK(w > 0 || image.data == data); /* nothing is copied where nothing turns */
+            CHECK(w > 0 || image.data == data); /* nothing is copied without a turn */
             check_turned(&image, width, height, floats, ways[w]);
             pupil_video_turn_free(&turn);
         }
     free(data);
 }
 
-/* Angles in libav's own words: below 0 is counterclockwise. */
+/* Angles as in libav: negative is counterclockwise. */
 static void test_angles(void)
 {
     static const int ways[4][4] = {{0, 0, 0, 0}, {0, 1, -1, 0}, {-1, 0, 0, -1}, {0, -1, 1, 0}};
@@ -98,7 +98,7 @@ static void test_angles(void)
         av_display_rotation_set(matrix, angle);
         CHECK(pupil_video_turn_set(&turn, matrix, &why) == -1 && strstr(why.text, "--no-rotate"));
     }
-    pupil_video_turn none = {0}; /* of a matrix that says nothing */
+    pupil_video_turn none = {0}; /* of an invalid matrix */
     CHECK(pupil_video_turn_set(&none, (const int32_t[9]){0}, &why) == 0 && !none.xx && !none.xy);
     CHECK(pupil_video_turn_set(&(pupil_video_turn){0}, (const int32_t[9]){INT32_MIN, 0, 0, 0, INT32_MIN, 0, 0, 0, 0},
                                &why) == 0);

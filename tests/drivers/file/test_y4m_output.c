@@ -1,5 +1,5 @@
-/* YUV4MPEG2 on standard output, a pipe: one that does not wait, one whose disk is full; a rate that is kept where the
- * frames' times have gaps; pixels that are not square. */
+/* YUV4MPEG2 on standard output, a pipe: non-blocking, and with a full disk; a rate that is kept across gaps in the
+ * frames' times; pixels that are not square. */
 #include "file/file_sink.h"
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ typedef struct reader {
     char header[128];
 } reader;
 
-/* To the end; counts frames by their bytes. */
+/* Reads to the end; counts frames by their bytes. */
 static void *read_all(void *of)
 {
     static char block[4096];
@@ -33,8 +33,8 @@ static void *read_all(void *of)
     return NULL;
 }
 
-/* Frames at these times to a pipe that does not wait for its reader; what write or finish said last. `poll_fails`: so
- * does the wait for the reader. */
+/* Writes frames at these times to a non-blocking pipe; returns the last result of write or finish. `poll_fails`: the
+ * wait for the reader fails. */
 static int stream(const pupil_sink_options *options, const int64_t *ns, size_t count, int poll_fails, reader *r)
 {
     static const char *const only[] = {"poll", NULL};
@@ -89,8 +89,8 @@ static void test_pipe(void)
     CHECK_MSG(strstr(why.text, "standard output: cannot be written"), "%s", why.text);
 }
 
-/* A frame as often as its time requires: not at all where another is there already, again over a gap, once after one
- * that is too long or goes back. */
+/* A frame is written as often as its time requires: not at all if its slot is taken, repeated over a gap, once if the
+ * gap is too long or time goes backwards. */
 static void test_times(void)
 {
     static const int64_t frame_ns = 100000000;

@@ -8,7 +8,7 @@
 
 typedef struct dng {
     uint32_t width, height;
-    int is_linear;          /* three samples a pixel; else a mosaic, RGGB */
+    int is_linear;          /* three samples per pixel; else an RGGB mosaic */
     uint32_t black, white;  /* codes */
     uint32_t neutral[3];    /* of a white surface, in thousandths of white */
     uint16_t orientation;   /* of TIFF; 1: upright */
@@ -28,7 +28,7 @@ static inline void dng_put(uint8_t *to, uint32_t value, int bytes)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* Values of `each` bytes, in place where they fit into four. */
+/* Values of `each` bytes, inline if they fit into four. */
 static inline void dng_tag(dng_writer *w, uint32_t tag, uint32_t type, uint32_t count, int each, const uint32_t *values)
 {
     uint8_t *entry = w->bytes + 10 + 12 * w->tags++;
@@ -56,10 +56,10 @@ static inline void dng_long(dng_writer *w, uint32_t tag, uint32_t value)
     dng_tag(w, tag, 4, 1, 4, &value);
 }
 
-/* XYZ to the camera's RGB where that is Rec.709 with D65 (IEC 61966-2-1), in ten thousandths. */
+/* XYZ to the camera's RGB, here Rec.709 with D65 (IEC 61966-2-1), in ten thousandths. */
 static const int32_t dng_matrix[9] = {32406, -15372, -4986, -9689, 18758, 415, 557, -2040, 10570};
 
-/* How many bytes the file has, of at most DNG_HEAD + DNG_MORE + 2 a sample. */
+/* The file's size in bytes, at most DNG_HEAD + DNG_MORE + 2 a sample. */
 static inline size_t dng_make(const dng *d, uint8_t *bytes)
 {
     dng_writer w = {bytes, 0, DNG_HEAD};

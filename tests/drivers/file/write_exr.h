@@ -1,4 +1,4 @@
-/* tests/drivers/file/write_exr.h: OpenEXR files byte by byte, so that a test can have any layout, sane or not.
+/* tests/drivers/file/write_exr.h: OpenEXR files byte by byte, so that a test can have any layout, valid or not.
  * Uncompressed; one part or several ("OpenEXR File Layout", the format's reference). */
 #ifndef PUPIL_TESTS_WRITE_EXR_H
 #define PUPIL_TESTS_WRITE_EXR_H
@@ -16,10 +16,10 @@ typedef struct exr_part {
     exr_channel channel[6];  /* up to a NULL name */
     int data[4], display[4]; /* left, top, right, bottom */
     int tile[2];             /* 0: scanlines */
-    int mipmap;              /* the tiles say that smaller levels follow; they are not written */
+    int mipmap;              /* the tiles announce smaller levels, which are not written */
     const float *chromaticities;
     float exposure_s;
-    int compression;  /* what the header says */
+    int compression;  /* what the header claims */
     const char *type; /* of a part of several, and of deep ones */
 } exr_part;
 

@@ -1,6 +1,6 @@
-/* tests/drivers/file/write_jpeg.h: a JPEG made of flat blocks of 8 x 8 samples, which any decoder gives back exactly.
+/* tests/drivers/file/write_jpeg.h: a JPEG made of flat blocks of 8 x 8 samples, which any decoder reproduces exactly.
  *
- * All quantisers are 8, so that a block's only coefficient is its value less 128. One Huffman table for all components:
+ * All quantisers are 8, so a block's only coefficient is its value less 128. One Huffman table for all components:
  * K.3's of luminance (ITU-T T.81, annex K), or, where own_tables is set, one in which the codes are assigned again. */
 #ifndef PUPIL_TESTS_DRIVERS_WRITE_JPEG_H
 #define PUPIL_TESTS_DRIVERS_WRITE_JPEG_H
@@ -60,7 +60,7 @@ static inline void flat_segment(flat_writer *w, uint32_t marker, const uint8_t *
     w->used += bytes;
 }
 
-/* Lengths of the codes of K.3's table of DC differences, in their order: 2, five of 3, then one of each up to 9. */
+/* Lengths of the codes of K.3's table of DC differences, in order: 2, five of 3, then one of each up to 9. */
 static inline void flat_difference(flat_writer *w, const flat_jpeg *j, int difference)
 {
     static const uint32_t lengths[] = {2, 3, 3, 3, 3, 3, 4, 5, 6, 7, 8, 9};
@@ -85,7 +85,7 @@ static inline void flat_tables(flat_writer *w, const flat_jpeg *j)
         dc[i] = 1;
     for (int i = 0; i < 12; i++)
         dc[17 + i] = (uint8_t)(j->own_tables ? 11 - i : i);
-    /* Of AC, only the end of a block is used: 0 of one bit; or 1010, the fourth of four bits' codes there. */
+    /* Of AC, only the end of block is used: the one-bit code 0; or 1010, the fourth of the four-bit codes. */
     static const uint8_t k3[] = {0x10, 0, 2, 1, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 4, 0x11};
     ac[1] = 1;
     if (j->own_tables || j->standard_tables)

@@ -1,5 +1,5 @@
-/* tests/drivers/libcamera/odd.h: the fake camera of libcamera with a table of its own, in which a test puts other
- * functions in the place of some of the fake's. */
+/* tests/drivers/libcamera/odd.h: the fake libcamera camera with its own function table, in which a test replaces some
+ * of the fake's functions. */
 #ifndef PUPIL_TESTS_LIBCAMERA_ODD_H
 #define PUPIL_TESTS_LIBCAMERA_ODD_H
 
@@ -12,7 +12,7 @@ typedef struct odd {
     pupil_live_system system;
 } odd;
 
-/* Functions of the table are given the fake, not this; so there is one at a time. */
+/* The table's functions receive the fake, not this; so there can only be one at a time. */
 static odd it;
 
 static inline void odd_begin(const fake_libcamera_config *config)
@@ -23,7 +23,7 @@ static inline void odd_begin(const fake_libcamera_config *config)
     it.system = (pupil_live_system){.libcamera = &it.layer};
 }
 
-/* As pupil_live_open's result. */
+/* Returns pupil_live_open's result. */
 static inline int odd_open(pupil_source **source, const pupil_live_options *more)
 {
     pupil_live_options options = more ? *more : (pupil_live_options){0};
@@ -33,7 +33,7 @@ static inline int odd_open(pupil_source **source, const pupil_live_options *more
     return pupil_live_open("libcamera:", NULL, &options, source, &why);
 }
 
-/* Of a source that could not be opened, too (NULL). */
+/* Also for a source that could not be opened (NULL). */
 static inline void odd_end(pupil_source *source)
 {
     pupil_source_close(source);
@@ -41,7 +41,7 @@ static inline void odd_end(pupil_source *source)
     fake_libcamera_free(it.fake);
 }
 
-/* The next frame, given back at once. */
+/* Takes the next frame and gives it back at once. */
 static inline int odd_next(pupil_source *source, pupil_frame *frame)
 {
     const int got = pupil_source_next(source, frame, &why);

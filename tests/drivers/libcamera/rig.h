@@ -1,4 +1,4 @@
-/* tests/drivers/libcamera/rig.h: the loop of pupil run on a camera of libcamera that is not there. */
+/* tests/drivers/libcamera/rig.h: the loop of pupil run on a fake libcamera camera. */
 #ifndef PUPIL_TESTS_LIBCAMERA_RIG_H
 #define PUPIL_TESTS_LIBCAMERA_RIG_H
 
@@ -22,7 +22,7 @@ typedef struct rig {
     int steers;
     pupil_frame_info info; /* of the last frame */
     uint64_t frames;       /* that were delivered */
-    double wait_s;         /* that each frame's use takes */
+    double wait_s;         /* processing time of each frame */
 } rig;
 
 static pupil_why why;
@@ -57,7 +57,7 @@ static inline void rig_take(rig *r)
     r->config.frame_s = 1.0 / r->source->fps;
     pupil_camera_configure(camera, &r->config);
     r->config.linear = 1;
-    r->config.key = 0.05; /* so that eight times the light is not clipped: nobody could say how bright that is */
+    r->config.key = 0.05; /* so that eight times the light does not clip, and can be measured */
     CHECK_MSG(pupil_camera_loop_begin(&r->loop, camera, &r->config, 0.0, &why) == 0, "%s", why.text);
     r->steers = 1;
 }
@@ -102,8 +102,8 @@ static inline double rig_total(const rig *r, double light)
                 fake_libcamera_gain(r->fake, r->info.sequence));
 }
 
-/* The light is another one, `from` before: settled to 0.1 EV in delay + 3 delivered frames, after those that wait, and
- * never further than that beyond. */
+/* The light changes from `from` to `to`: settled to 0.1 EV in delay + 3 delivered frames, after those that wait, with
+ * an overshoot of at most 0.1 EV. */
 static inline void rig_step(rig *r, double from, double to, unsigned waiting, const char *what)
 {
     const double aim = rig_total(r, from), direction = to > from ? 1.0 : -1.0;

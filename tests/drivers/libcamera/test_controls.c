@@ -68,7 +68,7 @@ static void test_limits(void)
     odd_end(source);
 }
 
-/* What is asked for is within the limits; what is no number, or not above 0, leaves the setting as it is. */
+/* Settings are clamped to the limits; NaN, or values not above 0, leave the setting unchanged. */
 static void test_ask(void)
 {
     static const struct {
@@ -100,7 +100,7 @@ static void test_ask(void)
     }
 }
 
-/* A camera whose longest frame time is not known has it as it is asked for. */
+/* A camera whose longest frame time is not known gets the one that is asked for. */
 static void test_open_frame_time(void)
 {
     pupil_source *source;
@@ -127,8 +127,8 @@ static int wait_for(void *camera, pupil_libcamera_done *done, int timeout_ms)
     return got;
 }
 
-/* Metadata with an exposure time alone: the gain is what was taken last. Of another frame than the last one nobody has
- * told anything. */
+/* Metadata with an exposure time alone: the gain is the last one that was taken. Nothing is known of any frame but the
+ * last. */
 static void test_told(void)
 {
     pupil_source *source;
@@ -150,7 +150,7 @@ static void test_told(void)
     odd_end(source);
 }
 
-/* What was asked for is asked for once more. */
+/* The setting is asked for once more. */
 static void test_reapply(void)
 {
     pupil_source *source;
@@ -166,7 +166,7 @@ static void test_reapply(void)
     odd_end(source);
 }
 
-/* A gain that was refused by itself is a refusal, too. */
+/* If only the gain is refused, that is a refusal, too. */
 static void test_refused_gain(void)
 {
     fake_libcamera_config c;

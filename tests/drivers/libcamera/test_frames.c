@@ -1,5 +1,5 @@
-/* Frames of libcamera that are not as most: numbers and stamps that do not rise, planes in one piece or in another
- * order, damaged frames, requests that are not taken; and what is done about each. */
+/* Unusual libcamera frames: numbers and timestamps that do not rise, planes in one buffer or in another order, damaged
+ * frames, requests that are refused; and how each is handled. */
 #include "odd.h"
 
 static void describe(fake_libcamera_config *c, uint32_t fourcc, int sensor)
@@ -78,7 +78,7 @@ static int without_sizes(void *camera, pupil_libcamera_done *done, int timeout_m
     return got;
 }
 
-/* Planes in one buffer follow one another: Cb and Cr, or Cr before Cb. */
+/* Planes in one buffer are contiguous: Cb and Cr, or Cr before Cb. */
 static void test_planes(void)
 {
     static const struct {
@@ -124,7 +124,7 @@ static int damaging(void *camera, pupil_libcamera_done *done, int timeout_ms)
     return got;
 }
 
-/* They are left out and counted, also where they are met in looking for the newest frame. */
+/* They are left out and counted, also on the way to the newest frame. */
 static void test_damaged(void)
 {
     for (int newest = 0; newest < 2; newest++) {
@@ -165,7 +165,7 @@ static int queue(void *camera, uint32_t index, const pupil_libcamera_ask *ask)
     return queued >= refused_from && queued < refused_to ? -1 : it.real->queue(camera, index, ask);
 }
 
-/* Some are not taken: the stream is started again when too few are left, and exposure is taken over again. */
+/* Some requests are refused: the stream is started again when too few are left, and exposure is taken over again. */
 static void test_queue_fails(void)
 {
     for (int hands_off = 0; hands_off < 2; hands_off++)

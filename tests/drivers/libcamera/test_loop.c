@@ -1,5 +1,5 @@
-/* libcamera's exposure in a closed loop: the light changes, settings are refused, frames say what they were taken with
- * or do not. */
+/* libcamera's exposure in a closed loop: the light changes, settings are refused, frames report what they were taken
+ * with or do not. */
 #include "rig.h"
 
 static fake_libcamera_config sensor_config(void)
@@ -13,7 +13,7 @@ static fake_libcamera_config sensor_config(void)
     return c;
 }
 
-/* A webcam refuses an exposure time in the request that turns its automatic exposure off, and before. */
+/* A webcam refuses an exposure time before, and in the request that turns its automatic exposure off. */
 static void test_takes_over_first(void)
 {
     fake_libcamera_config c;
@@ -29,7 +29,7 @@ static void test_takes_over_first(void)
     for (size_t i = 1; i < logged; i++) {
         CHECK(log[i].ask.automatic == 0 && !log[i].refused);
         asked += log[i].ask.exposure_s > 0.0;
-        CHECK(log[i].ask.gain == 0.0); /* of a webcam an invented scale */
+        CHECK(log[i].ask.gain == 0.0); /* for a webcam an invented scale */
     }
     CHECK(asked > 0 && rig_counts(&r)->cancelled == 0);
     const pupil_live *live = pupil_live_get(r.source);
@@ -74,8 +74,8 @@ static void test_sensor(void)
     }
 }
 
-/* Frames that say nothing, taken at once and by a program that is slower than the camera, so that frames wait in their
- * requests: what is in force is counted by the clock, and nothing overshoots. */
+/* Frames without metadata, taken at once and by a program that is slower than the camera, so that frames wait in their
+ * requests: the setting in force is determined by the clock, and nothing overshoots. */
 static void test_no_metadata(void)
 {
     for (int slow = 0; slow < 2; slow++)
@@ -104,8 +104,8 @@ static void test_no_metadata(void)
         }
 }
 
-/* Programs from a little to fifteen times slower than the camera: from the first light on, which teaches the delay. One
- * that wants every frame shows each of them after the whole queue, and settles later. */
+/* Programs from slightly to fifteen times slower than the camera. The first light teaches the delay. A program that
+ * wants every frame shows each after the whole queue, and settles later. */
 static void test_slow_programs(void)
 {
     static const double period_s[] = {0.04, 0.05, 0.08, 0.12, 0.2, 1.0 / 3, 0.5};
@@ -141,7 +141,8 @@ static void test_slow_programs(void)
     }
 }
 
-/* More refusals than there are requests: each loses one, which is queued again, and the setting is asked for again. */
+/* More refusals than there are requests: each refusal loses one, which is queued again, and the setting is asked for
+ * again. */
 static void test_refused(void)
 {
     for (int sensor = 0; sensor < 2; sensor++) {

@@ -1,5 +1,5 @@
-/* A webcam of libcamera's, and the V4L2 node that it is: found by where it is plugged in, its controls noted, and put
- * back whatever happened. sysfs is this program's own (CMakeLists.txt). */
+/* A libcamera webcam and its V4L2 node: found by where it is plugged in, its controls saved, and restored in every
+ * case. This program has its own sysfs (CMakeLists.txt). */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <unistd.h>
@@ -12,7 +12,7 @@
 #define ID    "\\_SB_.PCI0.XHC_-2.1:1.0-1bcf:2b9e"
 #define OTHER 33
 
-static const char *place; /* where the node's device leads; NULL: nowhere */
+static const char *place; /* the target of the node's device link; NULL: none */
 
 ssize_t __wrap_readlink(const char *path, char *to, size_t bytes);
 ssize_t __wrap_readlink(const char *path, char *to, size_t bytes)
@@ -38,7 +38,7 @@ static void set(const pupil_v4l2_system *s, int fd, uint32_t id, int32_t value)
     CHECK(s->ioctl(s->context, fd, VIDIOC_S_EXT_CTRLS, &all) == 0);
 }
 
-/* The exposure after a session in which it was set to another one. */
+/* The exposure after a session that changed it. */
 static int32_t session(const pupil_v4l2_system *system, const pupil_v4l2_system *faulty, const char *id)
 {
     fake_libcamera_config webcam;
@@ -85,7 +85,7 @@ static void test_places(void)
     }
 }
 
-/* Each call to the node fails once: frames come all the same, and nothing stays open. A signal makes no difference. */
+/* Each call to the node fails once: frames still come, and nothing stays open. A signal makes no difference. */
 static void test_each_call(int error)
 {
     fake_v4l2_config config;

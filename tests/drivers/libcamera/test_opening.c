@@ -1,5 +1,5 @@
-/* What a camera of libcamera is when it is opened: its name, its format, its rate, whether its values are light; and
- * how it is left when it is closed. */
+/* Opening a libcamera camera: its name, format and rate, whether its values are linear; and its state after it is
+ * closed. */
 #include "odd.h"
 
 #include <errno.h>
@@ -42,7 +42,7 @@ static void test_lists(void)
     it.layer.open = note;
     static const struct {
         unsigned cameras;
-        const char *name, *camera; /* camera NULL: refused, in these words */
+        const char *name, *camera; /* camera NULL: refused, with these words */
         const char *words;
     } cases[] = {{40, "31", "camera 31", NULL}, /* 32 are kept */
                  {40, "32", NULL, "no such camera"},
@@ -86,7 +86,7 @@ static int any(void *closure, const pupil_live_identity *is, pupil_live_modes *m
     return 0;
 }
 
-/* No node of V4L2 is there: nothing but libcamera's is seen. */
+/* There is no V4L2 node: only libcamera's cameras are seen. */
 static int no_node(void *context, const char *path)
 {
     (void)context, (void)path;
@@ -137,7 +137,7 @@ static void test_walk(void)
     odd_end(source);
 }
 
-/* A webcam is one by the end of its id. */
+/* A webcam is detected by the end of its id. */
 static void test_webcams(void)
 {
     static const struct {
@@ -264,7 +264,7 @@ static void test_linear(void)
     xfer_func = 0;
 }
 
-/* A camera that is left alone can be asked all the same; it has no controls to mark, to restore or to give back. */
+/* A camera in hands-off mode can still be asked; it has no controls to mark, restore or give back. */
 static void test_left_alone(void)
 {
     fake_libcamera_config c;
@@ -281,7 +281,7 @@ static void test_left_alone(void)
     odd_end(source);
 }
 
-/* --- the end --- */
+/* --- closing --- */
 
 static int frames_left;
 
@@ -298,7 +298,7 @@ static int queue_never(void *camera, uint32_t index, const pupil_libcamera_ask *
     return ask->automatic > 0 ? -1 : it.real->queue(camera, index, ask);
 }
 
-/* Automatic exposure is turned on again where there is a control for it, and the camera still answers. */
+/* Automatic exposure is turned on again if there is a control for it, and the camera still answers. */
 static void test_turned_on_again(void)
 {
     enum { ANSWERS, NO_REQUEST_LEFT, NO_ANSWER, NOT_QUEUED, NO_CONTROL, GONE };
@@ -326,7 +326,7 @@ static void test_turned_on_again(void)
             CHECK(odd_next(source, &frame) == PUPIL_SOURCE_FAILED);
         frames_left = how == NO_REQUEST_LEFT ? 0 : how == NO_ANSWER ? 1 : 1000;
         CHECK(pupil_live_give_back(source, &why) == 0);
-        /* Where no request comes back, there is none to say it with. */
+        /* If no request comes back, there is none to carry the control. */
         CHECK_MSG(fake_libcamera_automatic(it.fake) == (how == ANSWERS || how == NO_ANSWER), "case %d", how);
         frames_left = 1000;
         CHECK(how == GONE || odd_next(source, &frame) == PUPIL_SOURCE_FRAME);
@@ -341,7 +341,7 @@ static int stop(void)
     return stops-- <= 0;
 }
 
-/* Ctrl-C while a camera is waited for that is gone; and one that can be opened again, and has no frame. */
+/* Ctrl-C while waiting for a camera that is gone; and for one that can be opened again but has no frame. */
 static void test_waited_for(void)
 {
     fake_libcamera_config c;
@@ -354,7 +354,7 @@ static void test_waited_for(void)
     CHECK(odd_open(&source, &(pupil_live_options){.capture = {.reopen_s = 5.0, .stop = stop}}) == 0);
     for (int i = 0; i < 3; i++)
         CHECK(odd_next(source, &frame) == PUPIL_SOURCE_FRAME);
-    stops = 2; /* once more while it is waited for */
+    stops = 2; /* once more while waiting */
     CHECK(odd_next(source, &frame) == PUPIL_SOURCE_END);
     odd_end(source);
 

@@ -1,4 +1,4 @@
-/* A stream of libcamera's: requests that do not come back, cameras that go and come again, names, layouts. */
+/* A libcamera stream: requests that do not come back, cameras that are unplugged and come back, names, layouts. */
 #include "rig.h"
 
 #include <time.h>
@@ -11,7 +11,7 @@ static uint64_t frames_of(rig *r, int most)
     return frames;
 }
 
-/* Up to two lost requests cost speed at most; more, and the stream is started again. */
+/* Up to two lost requests cost at most speed; after more the stream is started again. */
 static void test_lost(void)
 {
     for (uint64_t lose = 1; lose <= 4; lose++)
@@ -32,7 +32,7 @@ static void test_lost(void)
         }
 }
 
-/* A pipeline with one buffer alone. */
+/* A pipeline with a single buffer. */
 static void test_one_buffer(void)
 {
     fake_libcamera_config c;
@@ -44,7 +44,7 @@ static void test_one_buffer(void)
     rig_close(&r);
 }
 
-/* No frame, or none but cancelled ones: a sentence, after the stream was started once more. */
+/* No frame, or only cancelled ones: a sentence, after the stream was restarted once. */
 static void test_stalled(void)
 {
     for (int cancels = 0; cancels < 2; cancels++) {
@@ -152,7 +152,7 @@ static void test_hands_off(void)
     rig_close(&r);
 }
 
-/* The black level of the frame's metadata, and the rows and planes where they are. */
+/* The black level from the frame's metadata, and the positions of rows and planes. */
 static void test_layout(void)
 {
     fake_libcamera_config c;
@@ -238,7 +238,7 @@ static void test_names(void)
     CHECK_MSG(strstr(why.text, "built without libcamera (PUPIL_LIBCAMERA=OFF"), "%s", why.text);
 }
 
-/* A whole model is that camera, also where it is a part of another one's. */
+/* A full model name selects that camera, even if it is part of another's. */
 static void test_twins(void)
 {
     static const struct {
@@ -266,7 +266,7 @@ static void test_twins(void)
     fake_libcamera_free(fake);
 }
 
-/* Frames alone, at a rate; and a camera that cannot have one. */
+/* Only frames, at a rate; and a camera that cannot set one. */
 static void test_hands_off_rate(void)
 {
     fake_libcamera_config c;

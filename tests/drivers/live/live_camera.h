@@ -1,4 +1,4 @@
-/* tests/drivers/live/live_camera.h: a simulated camera as a live source, and its frames' facts. */
+/* tests/drivers/live/live_camera.h: a simulated camera as a live source, and the facts of its frames. */
 #ifndef PUPIL_TESTS_DRIVERS_LIVE_LIVE_CAMERA_H
 #define PUPIL_TESTS_DRIVERS_LIVE_LIVE_CAMERA_H
 

@@ -1,5 +1,5 @@
-/* A camera comes back while there is no memory or no thread: its frames go on, and its controls are there again or are
- * said to be missing; nothing stays open. */
+/* A camera comes back while there is no memory or no thread: its frames continue, and its controls are back or reported
+ * missing; nothing stays open. */
 #include "live/live.h"
 
 #include <time.h>
@@ -19,7 +19,7 @@ static int next(pupil_source *source)
     return got;
 }
 
-/* Frames until the controls were opened again, or could not be; the test as a whole has a time limit. */
+/* Takes frames until the controls were opened again or could not be; the whole test has a time limit. */
 static void await_controls(pupil_source *source)
 {
     const struct timespec moment = {0, 1000000};
@@ -29,7 +29,7 @@ static void await_controls(pupil_source *source)
     }
 }
 
-/* With the n-th call of those failing once the camera is gone; what failed, NULL: there is no such call. */
+/* The n-th of these calls fails once the camera is gone. Returns what failed; NULL: there is no such call. */
 static const char *comes_back(unsigned long at)
 {
     fake_v4l2_config config;

@@ -1,4 +1,4 @@
-/* Which names call cameras; the exposure loop without a camera, and what it refuses. */
+/* Which names mean cameras; the exposure loop without a camera, and what it refuses. */
 #include <linux/videodev2.h>
 #include <math.h>
 
@@ -30,7 +30,7 @@ static int count(void *closure, const pupil_live_identity *is, pupil_live_modes 
     return --*left == 0;
 }
 
-/* Without modes, and up to one that is enough. The machine's own cameras, of which this one is none. */
+/* The list without modes ends once the callback has enough. /dev/null is none of the machine's cameras. */
 static void test_list(void)
 {
     fake_v4l2_config config;
@@ -103,7 +103,7 @@ static void test_loop(void)
     CHECK(pupil_camera_loop_announce(&loop, NAN, 2, PUPIL_SENSOR_CHANGE_LIGHT) != PUPIL_OK);
     CHECK(pupil_camera_loop_follow(&loop, -1.0) != PUPIL_OK);
     CHECK(pupil_camera_loop_follow(&loop, 0.01) == PUPIL_OK);
-    CHECK(fabs(log2(loop.setting.total_s / 0.01)) < 0.6); /* as near as controls allow at once */
+    CHECK(fabs(log2(loop.setting.total_s / 0.01)) < 0.6); /* as near as the controls get at once */
     CHECK(pupil_camera_loop_retune(&loop, &wrong) != PUPIL_OK && loop.config.exposure_max_s > 0.0);
     pupil_camera_loop_lost(&loop);
     CHECK(loop.setting.state == PUPIL_SENSOR_SEARCHING && loop.setting.frame_digital == 1.0);

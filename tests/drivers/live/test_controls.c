@@ -1,5 +1,5 @@
-/* A live camera: frames bring what they were taken with, controls are asked for and put back, also where a write hangs
- * and where the camera is unplugged and comes back. */
+/* A live camera: frames report what they were taken with; controls are set and restored, even if a write hangs, or the
+ * camera is unplugged and comes back. */
 #include <errno.h>
 #include <linux/videodev2.h>
 #include <math.h>
@@ -13,7 +13,7 @@ static fake_v4l2_config usual(void)
 {
     fake_v4l2_config config;
     fake_v4l2_config_default(&config);
-    config.control_delay = 3; /* as is believed of a camera of which nothing is known */
+    config.control_delay = 3; /* the delay assumed of an unknown camera */
     return config;
 }
 
@@ -38,7 +38,7 @@ static void doze(long ms)
     nanosleep(&t, NULL);
 }
 
-/* Until what was asked is written; the test as a whole has a time limit. */
+/* Waits until the setting is written; the whole test has a time limit. */
 static void await_write(pupil_camera *camera)
 {
     pupil_camera_status status;
@@ -73,7 +73,7 @@ static void test_in_force(void)
     await_write(camera);
     pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = 0.02, .gain = 3.0});
     await_write(camera);
-    const uint64_t from = info.sequence + 1 + 3; /* the next frame is under way */
+    const uint64_t from = info.sequence + 1 + 3; /* the next frame is being exposed */
     for (int i = 0; i < 8; i++) {
         CHECK(next_info(source, &info) == PUPIL_SOURCE_FRAME);
         CHECK_MSG(info.gain == (info.sequence < from ? 2.5 : 3.0), "frame %d: gain %g", (int)info.sequence, info.gain);
@@ -112,7 +112,7 @@ static int as_uvc(void *context, int fd, unsigned long request, void *argument)
     return result;
 }
 
-/* Raw frames are linear, pictures are not, and grey of a USB camera only where its driver says so. */
+/* Raw frames are linear, pictures are not; a USB camera's grey is only if its driver says so. */
 static void test_linear(void)
 {
     static const struct {
@@ -166,7 +166,7 @@ static void test_restore(void)
     close_all(source, fake);
 }
 
-/* The camera comes back with its controls as they were made; `sleep_s`: a write hangs while it is gone. */
+/* The camera comes back with its factory settings; `sleep_s`: a write hangs while it is gone. */
 static void test_again(double sleep_s)
 {
     fake_v4l2_config config = usual();
@@ -204,7 +204,7 @@ static void test_again(double sleep_s)
     }
     CHECK(control(fake, V4L2_CID_EXPOSURE_ABSOLUTE, 0, 0) == 150);
     pupil_source_close(source);
-    while (fake_v4l2_holds(fake).files) /* where a write hung: its own end; the test has a time limit */
+    while (fake_v4l2_holds(fake).files) /* if a write hung: until it ends; the test has a time limit */
         doze(10);
     fake_v4l2_free(fake);
 }
@@ -214,7 +214,8 @@ static int says_stop(void)
     return 1;
 }
 
-/* A write that never ends in time: frames go on, the end comes, and the controls are put back once the write is over.
+/* A write that does not end in time: frames continue, the run ends, and the controls are restored once the write is
+ * over.
  */
 static void test_hang(void)
 {
@@ -244,8 +245,8 @@ static void test_hang(void)
     fake_v4l2_free(fake);
 }
 
-/* With the n-th call failing, for every n: a sentence or frames, no leak, no hang. Whether the controls came back
- * depends on which call it was. */
+/* Every n-th call fails in turn: a sentence or frames, no leak, no hang. Whether the controls are restored depends on
+ * the call. */
 static unsigned long session(unsigned long fail_at, int error)
 {
     fake_v4l2_config config = usual();
@@ -287,7 +288,7 @@ static void test_faults(void)
 int main(int argc, char **argv)
 {
     check_begin(argc, argv);
-    const pid_t waits = fork(); /* beside the other tests: most of its time it waits, as theirs does */
+    const pid_t waits = fork(); /* in parallel with other tests: like them it mostly waits */
     if (!waits) {
         test_again(2.5);
         return check_end();

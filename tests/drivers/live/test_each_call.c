@@ -1,5 +1,5 @@
-/* Each call of the C library fails once that live cameras, their lists and rendered scenes make: a sentence, or what
- * would have come; nothing stays open, and the controls are as they were. (Each call to a driver:
+/* Each C library call of live cameras, their lists and rendered scenes fails once: a sentence, or the same result as
+ * without a failure; nothing stays open, and the controls are as before. (Each call to a driver:
  * drivers.v4l2.faults.) */
 #include "drivers/file/each_call.h"
 
@@ -74,12 +74,12 @@ static int act_live(const each_call *c, uint64_t *digest, pupil_why *why)
 static int seen(void *closure, const pupil_live_identity *is, pupil_live_modes *modes, const char *words)
 {
     uint64_t *digest = closure;
-    if (is || *words) /* else it is no camera */
+    if (is || *words) /* else it is not a camera */
         *digest += is && !*words && modes ? strlen(is->path) + modes->count : 1000;
     return 0;
 }
 
-/* A camera that could not be asked is said to be so. */
+/* A camera that could not be queried is listed as such. */
 static int act_list(const each_call *c, uint64_t *digest, pupil_why *why)
 {
     const int failed = pupil_live_cameras(&machine, 1, seen, digest, why);

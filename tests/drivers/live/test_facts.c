@@ -1,4 +1,4 @@
-/* What is known of a live camera and of its frames, and which options go before which. */
+/* What is known of a live camera and its frames, and the precedence of options. */
 #include <errno.h>
 #include <linux/media.h>
 #include <linux/videodev2.h>
@@ -51,8 +51,8 @@ static void test_sensor(void)
     }
 }
 
-/* The frame in progress is the same one, whether stamps are of a frame's end or of the begin of its exposure: so are
- * the frames until a setting is in force. */
+/* Timestamps of a frame's end or of its exposure's beginning give the same frame in progress, and the same number of
+ * frames until a setting is in force. */
 static void test_stamps(void)
 {
     uint64_t from[2];
@@ -92,7 +92,7 @@ static int never(void)
     return 0;
 }
 
-/* What is said of any source goes before what is said of a camera; what is not said, does not. */
+/* Options of any source take precedence over those of cameras, but only if they are set. */
 static void test_options(void)
 {
     fake_v4l2_config config;

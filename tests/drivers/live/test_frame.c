@@ -1,7 +1,7 @@
-/* What a frame of a camera under control costs: no memory at all, from any thread, no page fault, and few system calls,
- * each of a kind that is named here. The allocator is wrapped by the linker (tests/CMakeLists.txt), the system calls
- * are counted in the table that the camera's side makes all of them through. What shared libraries take is not counted:
- * libavformat's share, on the recorder's thread (docs/realtime.md). Page faults are, of every thread. */
+/* What a frame of a controlled camera costs: no memory at all, on any thread, no page fault, and few system calls, only
+ * of the kinds listed here. The allocator is wrapped by the linker (tests/CMakeLists.txt); the system calls are counted
+ * in the table through which the camera code makes all of them. Memory of shared libraries is not counted:
+ * libavformat's, on the recorder's thread (docs/realtime.md). Page faults of all threads are counted. */
 #include <linux/videodev2.h>
 #include <stdatomic.h>
 #include <sys/mman.h>
@@ -17,7 +17,7 @@
 #include "scratch.h"
 
 #define FRAMES 600
-#define FIRST  10 /* frames before what is counted: those of the first large steps */
+#define FIRST  10 /* frames before counting starts: those of the first large steps */
 
 /* --- memory --- */
 
@@ -167,7 +167,7 @@ static void one_frame(loop *l)
         pupil_camera *camera = pupil_live_camera(l->source);
         const uint64_t number = pupil_camera_ask(camera, &(pupil_camera_setting){s.exposure_s, s.gain, 0});
         l->asks++;
-        do { /* the writer goes by the machine's clock, the camera by its own */
+        do { /* the writer uses the machine's clock, the camera its own */
             usleep(20);
             pupil_camera_get_status(camera, &status);
         } while (status.written < number);
@@ -176,7 +176,7 @@ static void one_frame(loop *l)
     pupil_source_done(l->source, &frame);
 }
 
-/* Where that is allowed without a limit, and is not passed over by a sanitizer. */
+/* If that is allowed without a limit, and not skipped by a sanitizer. */
 static void lock_memory(void)
 {
 #ifndef PUPIL_SANITIZED
@@ -193,7 +193,7 @@ static long faults(void)
     return used.ru_minflt + used.ru_majflt;
 }
 
-/* Light that sways by four stops, so that controls are written again and again. */
+/* Light that swings by four stops, so that controls are written again and again. */
 static void run(loop *l, const char *what)
 {
     unsigned long asks = 0;

@@ -1,6 +1,7 @@
-/* 24 hours of a camera at 30 frames a second, on the fake's clock, with what can happen to one: light that changes,
- * frames lost and damaged, a program that is late, clocks that are set, signals that change, stalls, and a camera that
- * is pulled out and comes back with another format and size. Metered, adapted to, mapped and regulated all along.
+/* 24 hours of a camera at 30 frames a second, on the fake's clock, with everything that can happen to it: light that
+ * changes, lost and damaged frames, a late program, clocks that are set, signals that change, stalls, and a camera that
+ * is unplugged and comes back with another format and size. Metering, adaptation, mapping and the exposure loop run all
+ * along.
  *     test_live_soak [SEED [HOURS]] */
 #include <dirent.h>
 #include <linux/videodev2.h>
@@ -14,13 +15,13 @@
 #include "resident.h"
 
 #define FPS         30
-#define EVENT_EVERY 1500 /* frames, in the mean */
+#define EVENT_EVERY 1500 /* frames, on average */
 #define SOON        16   /* frames in which an event has happened */
 #define QUIET       600  /* frames: 22 time constants toward the dark, 0.9 s */
 #define SIDE_PX     16
 #define FLAT        512  /* of FAKE_SCENE_WHITE */
-#define LIGHT_EV    0.03 /* the light by the sensor: an 8-bit sample at the key is 2 % coarse in light (YUYV) */
-#define LEVEL_EV    0.01 /* exp(-22) of any step is nothing; what 8 bits round moves where a setting has just moved */
+#define LIGHT_EV    0.03 /* the loop's estimate of the light: an 8-bit step at the key is 2 % of light (YUYV) */
+#define LEVEL_EV    0.01 /* exp(-22) of any step is nothing; rounding to 8 bits matters just after a setting moved */
 
 enum { LIGHT, LATE, STORM, CLOCK, CHANGE, STALL, BREAK, UNPLUG, EVENTS };
 static const char *const event_names[EVENTS] = {"light",  "late",  "storm", "clock",
@@ -53,7 +54,7 @@ static int files_open(void)
     return count;
 }
 
-/* Until it is written: threads go by the machine's clock, the camera by its own. */
+/* Waits until it is written: threads use the machine's clock, the camera its own. */
 static void ask(const pupil_sensor_setting *s)
 {
     const pupil_camera_setting setting = {s->exposure_s, s->gain, 0};
@@ -127,7 +128,7 @@ static void happen(void)
 
 /* --- what must be --- */
 
-/* Every frame is handed out or counted. A stream that begins again counts again. */
+/* Every frame is delivered or counted. A stream that restarts counts from the beginning. */
 static void check_counts(const pupil_frame *frame)
 {
     const pupil_live_counts *c = &pupil_live_capture(day.source)->counts;
@@ -142,7 +143,8 @@ static void check_counts(const pupil_frame *frame)
     day.left_out = left_out;
 }
 
-/* After a quiet stretch the level is a fresh pupil's, the sensor rests, and the light by it is the fake's. */
+/* After a quiet stretch the level is that of a fresh pupil, the sensor rests, and its estimate of the light is the
+ * fake's. */
 static void check_rest(const pupil_frame *frame, const pupil_image *out, const pupil_sensor_setting *s)
 {
     const fake_v4l2_held held = fake_v4l2_holds(day.fake);
@@ -190,7 +192,7 @@ static void one_frame(const pupil_frame *frame)
     CHECK(pupil_sensor_get(&day.sensor, &s) == PUPIL_OK);
     CHECK(isfinite(exposure.adapted_ev) && isfinite(exposure.scale) && isfinite(s.total_s) && isfinite(s.scene_ev));
     CHECK(s.exposure_s > 0 && s.gain >= 1 && s.frame_digital > 0 && exposure.dt_s >= 0);
-    if (!pupil_live_camera(day.source)) { /* they are being opened again, by the machine's clock */
+    if (!pupil_live_camera(day.source)) { /* they are being opened again, on the machine's clock */
         usleep(50);
         day.without++;
         day.quiet = 0;

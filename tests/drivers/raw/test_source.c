@@ -1,11 +1,11 @@
-/* Raw files: frames are the file's bytes, as many as there are; what the keys say; what is wrong is said. */
+/* Raw files: frames are the file's bytes, as many as it has; the keys' meaning; errors are reported. */
 #include "scratch.h"
 
 #include "raw/raw_source.h"
 
 static pupil_why why;
 
-/* A file of so many random bytes, all of them kept for comparing. */
+/* A file of so many random bytes, which are kept for comparison. */
 static uint8_t *make(const char *name, size_t bytes)
 {
     uint8_t *content = malloc(bytes);
@@ -141,7 +141,7 @@ static void test_layout(void)
         CHECK_MSG(refused == (wrong[i][1] != NULL) && (!refused || strstr(why.text, wrong[i][1])), "%s: %s",
                   wrong[i][0], why.text);
     }
-    /* Nothing is cut short and then taken for something else. */
+    /* Nothing is truncated and then mistaken for something else. */
     char *longest = malloc(6000);
     snprintf(longest, 6000, "a,format=GREY,size=4x2,knees=1:0.1/2:%0300d", 3);
     CHECK(pupil_raw_layout_read(&l, longest, &why) == -1 && strstr(why.text, "a key of over 255 bytes"));
@@ -151,7 +151,7 @@ static void test_layout(void)
     free(longest);
 }
 
-/* What next says, in turn: f a whole frame, d a damaged one. */
+/* The results of next, in order: f a complete frame, d a damaged one. */
 static void check_turns(pupil_source *source, const char *turns)
 {
     for (; source && *turns; turns++) {
@@ -187,7 +187,7 @@ static void test_cut(void)
     check_turns(open_raw("dumps", "format=GREY,size=4x4"), "dfffd");
 }
 
-/* The first frame of a still is balanced already: a grey wall that its sensor sees as green comes out grey. */
+/* The first frame of a still is already balanced: a grey wall that its sensor sees as green comes out grey. */
 static void test_balance(void)
 {
     uint8_t mosaic[16];

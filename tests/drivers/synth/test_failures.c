@@ -1,5 +1,5 @@
-/* Each call of the C library fails once that a small scene makes, from its recipe to its second frame: a sentence and
- * nothing left, or the same frames, as with fewer threads. */
+/* Each C library call of a small scene, from its recipe to its second frame, fails once: a sentence and nothing left,
+ * or the same frames, for example with fewer threads. */
 #include "drivers/file/each_call.h"
 
 #include "synth/synth_source.h"

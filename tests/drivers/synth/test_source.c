@@ -1,5 +1,5 @@
-/* synth:walk: its pinned frames, the light that it promises, any size, and sentences for wrong options. The light of
- * scenes of low key. */
+/* synth:walk: its pinned frames, its promised light, any size, and sentences for wrong options. Also the light of
+ * low-key scenes. */
 #include "synth/synth_source.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 
 #define SUN 20000.0f /* the radiance of the sun's disc in fixtures/scenes/walk.scene */
 
-/* FNV-1a, 64 bit, over the bytes of each float from the lowest up, whatever the machine's order. */
+/* FNV-1a, 64 bit, over the bytes of each float, lowest first, regardless of the machine's byte order. */
 static uint64_t digest(const float *values, size_t count)
 {
     uint64_t hash = UINT64_C(0xcbf29ce484222325);
@@ -51,8 +51,8 @@ static pupil_source *opened(const char *name, pupil_source_options options)
     return source;
 }
 
-/* A change of the scene or of the renderer changes these: look at the frames before they are pinned again. The digests
- * of tests/scene hold on every CPU. */
+/* A change of the scene or of the renderer changes these: look at the frames before you pin them again. The digests of
+ * tests/scene hold on every CPU. */
 static const struct {
     uint64_t frame, digest;
 } pinned[] = {{0, UINT64_C(0xee3e9b22667b8212)},
@@ -76,7 +76,7 @@ static uint64_t next_digest(pupil_source *source)
     return found;
 }
 
-/* The default is what is pinned; and a frame is the same on any number of threads. */
+/* The default is pinned; and a frame is the same on any number of threads. */
 static void check_digests(void)
 {
     for (size_t i = 0; i < sizeof pinned / sizeof *pinned; i++) {
@@ -155,8 +155,8 @@ static void check_sizes(void)
     }
 }
 
-/* Where the light of a low-key scene is: the log-average and the brightest light, in EV, and how much of the frame is
- * `above_ev` brighter than the log-average. Its second frame is the first, but for a sensor's noise. */
+/* The light of a low-key scene: the log-average and the brightest light, in EV, and the share of the frame that is
+ * `above_ev` brighter than the log-average. Its second frame equals the first, except for a sensor's noise. */
 static void check_still(const char *name, double log_average_ev, double brightest_ev, double above_ev, double share)
 {
     static float first[96 * 64 * 3];
@@ -213,7 +213,7 @@ static int stops(void)
     return atomic_fetch_add(&asked, 1) >= stop_at;
 }
 
-/* Given up at any time it is asked: a sentence, no frame with rows missing, and nothing more comes. */
+/* A stop at any time: a sentence, no frame with missing rows, and no more frames. */
 static void check_stop(void)
 {
     for (int at = 0; at < 40; at += 13) {

@@ -1,4 +1,4 @@
-/* tests/drivers/v4l2/fake_source.h: the fake camera opened as a source, and what it left behind. */
+/* tests/drivers/v4l2/fake_source.h: the fake camera opened as a source, and what is left open. */
 #ifndef PUPIL_TESTS_DRIVERS_FAKE_SOURCE_H
 #define PUPIL_TESTS_DRIVERS_FAKE_SOURCE_H
 
@@ -15,7 +15,7 @@ typedef struct fake_source {
     pupil_why why;
 } fake_source;
 
-/* `more` without its system; NULL: nothing asked. */
+/* `more` has no system; NULL: no options. */
 static inline fake_source fake_source_open(const char *which, const fake_v4l2_config *config,
                                            const pupil_v4l2_options *more)
 {

@@ -1,4 +1,4 @@
-/* A driver's answers of any numbers, for every format that is read: refused with a sentence, or of planes that are
+/* Random numbers in a driver's answers, for every format that is read: refused with a sentence, or all planes are
  * inside their memory. */
 #include "check.h"
 
@@ -6,7 +6,7 @@
 
 #include "v4l2/format.h"
 
-/* Of what is accepted, every plane is inside its area, and planes of one area are one behind the other. */
+/* If accepted, every plane is inside its area, and planes of one area follow one another without overlap. */
 static void check_planes(const pupil_v4l2_format *f)
 {
     uint64_t end[PUPIL_V4L2_MOST_AREAS] = {0};

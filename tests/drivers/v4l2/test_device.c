@@ -1,4 +1,4 @@
-/* Finding a camera, asking it, agreeing with it; what is refused, and by which sentence. */
+/* Finding a camera, querying it, negotiating a format; what is refused, and with which sentence. */
 #include "fake_source.h"
 
 #include <errno.h>
@@ -25,7 +25,7 @@ static void test_which(void)
         {"0", "/dev/video0", NULL},
         {"000", "/dev/video0", NULL},
         {"3", "/dev/video3", NULL},
-        {FAKE_V4L2_NAME, "/dev/video0", NULL}, /* the whole name goes before a part of another one */
+        {FAKE_V4L2_NAME, "/dev/video0", NULL}, /* a full name comes before a part of another one */
         {"fake camera", "/dev/video0", NULL},
         {FAKE_V4L2_TWIN, "/dev/video3", NULL},
         {"the other", "/dev/video3", NULL},
@@ -106,7 +106,7 @@ static void test_modes(void)
     fake_v4l2_free(fake);
 }
 
-/* What is asked for is what comes, or is refused with what there is. */
+/* A request is fulfilled, or refused with what is available. */
 static void test_agreement(void)
 {
     static const struct {
@@ -197,7 +197,7 @@ static void test_refusals(void)
     CHECK(pupil_live_capture(plain.source)->memory == V4L2_MEMORY_USERPTR);
     fake_source_close(&plain);
 
-    /* The options of any source go before those of cameras. */
+    /* The options of any source take precedence over those of cameras. */
     c = usual();
     fake_v4l2 *fake = fake_v4l2_new(&c);
     const pupil_source_options any = {.width = 32, .height = 24, .fps = 15};
@@ -247,7 +247,7 @@ static void test_media(void)
         const int error = pupil_v4l2_media_sensor(&d, &sensor, &why);
         if (c.media == FAKE_MEDIA_NONE) {
             CHECK_MSG(error && strcmp(why.text, "/dev/video0: has no media graph") == 0, "%s", why.text);
-        } else { /* with its link off, the receiver is where it ends */
+        } else { /* with its link disabled, the path ends at the receiver */
             const int off = c.media == FAKE_MEDIA_LINK_OFF;
             CHECK(error == 0 && strcmp(sensor.entity, off ? "fake csi" : "fake 1-0010") == 0);
             CHECK(strcmp(sensor.path, off ? "/dev/v4l-subdev1" : "/dev/v4l-subdev0") == 0);
@@ -259,7 +259,7 @@ static void test_media(void)
     }
 }
 
-/* A node of another format than what comes to it. */
+/* A node with another format than its input. */
 static void test_media_format(void)
 {
     fake_v4l2_config c = usual();
@@ -271,7 +271,7 @@ static void test_media_format(void)
                   "it: media-ctl -d /dev/media0 -V '\"fake csi\":1 [fmt:SRGGB8_1X8/64x48]'");
     c.only_format = V4L2_PIX_FMT_SRGGB10P; /* the same in memory, packed */
     check_refused(&c, "what leads to it in /dev/media0 agrees");
-    c.only_format = V4L2_PIX_FMT_NV12; /* may be made of anything */
+    c.only_format = V4L2_PIX_FMT_NV12; /* may be driven by anything */
     check_refused(&c, "what leads to it in /dev/media0 agrees");
 }
 

@@ -1,5 +1,5 @@
-/* Every system call fails once, with every error that comes to mind: a sentence, nothing left open, no endless wait;
- * and afterwards the camera works as before. */
+/* Every system call fails once, with every plausible error: a sentence, nothing left open, no endless wait; afterwards
+ * the camera works as before. */
 #include "fake_source.h"
 #include "resident.h"
 #include "scratch.h"
@@ -74,7 +74,7 @@ static void play_questions(const scenario *s, fake_faults *f)
     pupil_v4l2_device_close(&device);
 }
 
-/* One fault. Whether the scenario got as far as to meet it. */
+/* One fault. Returns whether the scenario got far enough to meet it. */
 static int play(const scenario *s, void (*part)(const scenario *, fake_faults *), unsigned long at, unsigned long many,
                 int error)
 {
@@ -104,13 +104,13 @@ static int play(const scenario *s, void (*part)(const scenario *, fake_faults *)
     return f.failed != NULL;
 }
 
-/* Each error at every sixth call, and so two errors at each call. */
+/* Each error at every sixth call, so each call meets two errors. */
 static void play_all(const scenario *s, void (*part)(const scenario *, fake_faults *))
 {
     const unsigned long every = (unsigned long)check_every(6);
     unsigned long calls = 0;
     for (size_t e = 0; e < sizeof errors / sizeof errors[0]; e++)
-        for (int many = 0; many < (e < 4 ? 2 : 1); many++) { /* some go on for longer than a call is tried again */
+        for (int many = 0; many < (e < 4 ? 2 : 1); many++) { /* some last longer than a call is retried */
             unsigned long at = 1 + e % every;
             while (play(s, part, at, many ? 150 : 1, errors[e]))
                 at += every;
@@ -124,7 +124,7 @@ static void test_calls(void)
 {
     fake_v4l2_config usual;
     fake_v4l2_config_default(&usual);
-    usual.flat = 400; /* drawing pictures that nobody looks at would take most of the time */
+    usual.flat = 400; /* drawing unused pictures would take most of the time */
     const pupil_v4l2_options patient = {.timeout_s = 0.5};
     scenario s = {"a webcam", usual, patient, "/dev/video0", 5};
     play_all(&s, play_source);
@@ -180,7 +180,7 @@ static void test_calls(void)
     play_all(&s, play_questions);
 }
 
-/* Opened and closed many times over, in all ways to fail: memory stays what it was. */
+/* Opened and closed many times, with all failures: memory does not grow. */
 static void test_many(void)
 {
     scenario s = {"many", .which = "/dev/video0", .frames = 2};

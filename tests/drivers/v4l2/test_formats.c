@@ -1,4 +1,4 @@
-/* Every format that a camera can have: the pixels, the layout, the colour, as the fake camera drew them. */
+/* Every format of a camera: pixels, layout and colour are as the fake camera drew them. */
 #include "check.h"
 
 #include <linux/videodev2.h>
@@ -35,7 +35,7 @@ static void close_subject(subject *s)
     fake_v4l2_free(s->fake);
 }
 
-/* The same frame, drawn again into rows of another length; compared byte by byte. */
+/* The same frame is drawn again into rows of another length, and compared byte by byte. */
 static unsigned differing(const pupil_source *source, const pupil_frame *frame, double scale)
 {
     const pupil_v4l2_format *f = &pupil_live_capture(source)->format;
@@ -71,7 +71,7 @@ static unsigned differing(const pupil_source *source, const pupil_frame *frame, 
     return wrong;
 }
 
-/* What the light of the frame's scene is, without any camera: its mean log2 luminance. */
+/* The mean log2 luminance of the frame's scene, without any camera. */
 static double scene_ev(const pupil_v4l2_format *f, uint32_t sequence, double scale)
 {
     const int grey = pupil_pixel_bits(f->pixel) && !pupil_pixel_is_mosaic(f->pixel);
@@ -103,7 +103,8 @@ static double metered_ev(const pupil_frame *frame)
     return exposure.metered_ev;
 }
 
-/* Some frames of a format. Codes are rounded to the format's bits: the mean of their logarithms is near the light's. */
+/* Some frames of a format. Codes are rounded to the format's bits, so the mean of their logarithms is only near the
+ * light's. */
 static void check_format(const fake_v4l2_config *config, uint32_t fourcc, double tolerance_ev)
 {
     const pupil_v4l2_options options = {.fourcc = fourcc};
@@ -126,7 +127,7 @@ static void check_format(const fake_v4l2_config *config, uint32_t fourcc, double
     close_subject(&s);
 }
 
-/* All that the fake has, in every layout: as it says itself. */
+/* All formats of the fake, in every layout, as it reports them. */
 static void test_pixels(void)
 {
     for (int layout = 0; layout < 8; layout++) {
@@ -144,7 +145,7 @@ static void test_pixels(void)
         CHECK(pupil_v4l2_modes_read(&device, &modes, &why) == 0);
         for (uint32_t i = 0; i < modes.count; i++)
             if (!modes.mode[i].compressed) {
-                /* 8 bits of dark light are coarse; 10 and more are not. */
+                /* 8 bits are coarse in the dark; 10 and more are not. */
                 const uint32_t pixel = pupil_v4l2_pixel_of(modes.mode[i].fourcc);
                 const int coarse = pixel == PUPIL_PIXEL_BAYER8 || pixel == PUPIL_PIXEL_GREY8;
                 check_format(&config, modes.mode[i].fourcc, coarse ? 0.01 : 0.005);
@@ -157,7 +158,7 @@ static void test_pixels(void)
     }
 }
 
-/* What the driver says of the colour is what the light is made of. */
+/* The light is decoded by the colour that the driver reports. */
 static void test_colour(void)
 {
     static const uint32_t encodings[] = {V4L2_YCBCR_ENC_601, V4L2_YCBCR_ENC_709, V4L2_YCBCR_ENC_BT2020};
@@ -185,7 +186,7 @@ static void test_colour(void)
     check_format(&config, v4l2_fourcc('P', '0', '1', '0'), 0.005);
 }
 
-typedef struct said { /* by a driver, and what is made of it */
+typedef struct said { /* what a driver reports, and how it is interpreted */
     uint32_t fourcc, colorspace, ycbcr_enc, quantization, xfer_func;
     uint32_t matrix, range, light, primaries;
     const char *refusal;
@@ -264,7 +265,7 @@ static void test_defaults(void)
     }
 }
 
-/* A grey picture of limited range has 16 and 235 as its ends, and their like of more bits. */
+/* Limited-range grey goes from 16 to 235, or the equivalent with more bits. */
 static void test_limited_grey(void)
 {
     static const struct {
@@ -293,7 +294,7 @@ static void test_limited_grey(void)
     }
 }
 
-/* Answers that no frame could be read by. */
+/* Answers with which no frame can be read. */
 static void test_nonsense(void)
 {
     static const struct {

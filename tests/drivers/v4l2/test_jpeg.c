@@ -1,4 +1,5 @@
-/* A camera of MJPG: its frames decoded and as they came, those that cannot be decoded, and which format is taken. */
+/* An MJPG camera: its frames decoded and in their coded form, those that cannot be decoded, and which format is
+ * chosen. */
 #include "fake_source.h"
 
 #include <linux/videodev2.h>
@@ -10,8 +11,8 @@ static fake_v4l2_config usual(void)
     return config;
 }
 
-/* The frame's samples and those of the picture that was coded: apart by what the coder's quantisers leave, which are 1
- * to 10 codes at its best (MPEG's default matrix of 8..83, ISO/IEC 13818-2, 6.3.11, by 8). */
+/* The frame's samples against those of the coded picture: they differ by the encoder's quantisation, at best 1 to 10
+ * codes (MPEG's default matrix of 8..83, ISO/IEC 13818-2, 6.3.11, by 8). */
 static void check_picture(const pupil_frame *frame, uint32_t seed, uint32_t sequence)
 {
     const pupil_image_const *image = &frame->image;
@@ -75,7 +76,7 @@ static void test_stream(void)
     }
 }
 
-/* Raw formats have no coded form; and one of them is taken before a JPEG, where nobody asked. */
+/* Raw formats have no coded form; without a request, one of them is preferred to JPEG. */
 static void test_choice(void)
 {
     fake_v4l2_config config = usual();
@@ -85,7 +86,7 @@ static void test_choice(void)
     CHECK(s.result == 0 && pupil_live_capture(s.source)->format.compressed);
     fake_source_close(&s);
 
-    config.only_format = 0; /* of MJPG, which is its first, and all the others; set to MJPG by another program before */
+    config.only_format = 0; /* MJPG, its first format, and all others; set to MJPG by another program before */
     fake_v4l2 *fake = fake_v4l2_new(&config);
     const pupil_v4l2_options mjpg = {.system = fake_v4l2_system(fake), .fourcc = V4L2_PIX_FMT_MJPEG};
     const pupil_v4l2_options any = {.system = fake_v4l2_system(fake)};
@@ -101,7 +102,7 @@ static void test_choice(void)
     fake_v4l2_free(fake);
 }
 
-/* JPEGs that end in the middle are left out, counted, and missing in the numbers. */
+/* Truncated JPEGs are left out, counted, and missing in the sequence numbers. */
 static void test_damaged(void)
 {
     fake_v4l2_config config = usual();

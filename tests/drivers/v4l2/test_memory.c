@@ -1,5 +1,5 @@
-/* Memory that the CPU reads slowly is found out, and the next best is taken; in each kind the frames are the same, and
- * dma-bufs are read between their syncs (the fake's have nothing new before). */
+/* Memory that the CPU reads slowly is detected, and the next best kind is used. Frames are the same in each kind, and
+ * dma-bufs are read between their syncs (the fake's contain nothing new before). */
 #include "fake_source.h"
 
 #include <errno.h>
@@ -49,7 +49,7 @@ static void check_frame(const fake_source *s, const pupil_frame *frame)
     CHECK_MSG(wrong == 0, "frame %u: %u rows differ", p.sequence, wrong);
 }
 
-/* Some frames, two of which stay out for a while: each is right until it is given back. */
+/* Some frames, two of which are held for a while: each is valid until it is given back. */
 static void check_stream(fake_source *s)
 {
     for (int i = 0; i < 9 && s->source; i++) {
@@ -68,7 +68,7 @@ typedef struct memory_case {
     const char *name;
     int slow, hints, heaps, contiguous, no_import, no_mmap;
     uint32_t asked, reading;
-    int is_slow; /* what frames are read from, in the end */
+    int is_slow; /* the memory that is read in the end */
     const char *heap;
 } memory_case;
 
@@ -129,7 +129,7 @@ static void test_kinds(void)
         }
 }
 
-/* The caller's own, which stay open. */
+/* The caller's own buffers, which stay open. */
 static void test_callers(void)
 {
     static const uint32_t formats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_NV12M, V4L2_PIX_FMT_YVU420M};
@@ -195,7 +195,7 @@ static void test_refusals(void)
     check_refused(&c, &(pupil_v4l2_options){.memory = PUPIL_V4L2_MEMORY_MMAP}, "gives no buffers that can be mapped: ");
 }
 
-/* The kernel's own way to measure: ordinary memory is not slow, and something is read. */
+/* The kernel's own measurement: ordinary memory is not slow, and something is read. */
 static void test_kernel(void)
 {
     const size_t bytes = 1 << 20;

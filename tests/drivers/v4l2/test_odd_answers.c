@@ -1,5 +1,5 @@
-/* Drivers whose answers are odd, one at a time: a sentence, or what can be made of it; nothing is written beyond what
- * is there, and no list is without an end. */
+/* Drivers with one odd answer at a time: a sentence, or the best interpretation; nothing is written out of bounds, and
+ * every list ends. */
 #include "check.h"
 
 #include <errno.h>
@@ -19,12 +19,12 @@
 
 static pupil_why why;
 
-/* --- a driver whose answers to one request are changed --- */
+/* --- a driver with changed answers to one request --- */
 
 typedef struct odd {
     unsigned long request; /* 0: poll's */
     void (*change)(void *answer, int error);
-    int tells; /* the answer is this driver's own: the inner one is not asked */
+    int tells; /* this driver answers itself: the inner one is not asked */
 } odd;
 
 static fake_v4l2 *fake;
@@ -219,7 +219,7 @@ static void test_outputs(void)
     unplug("a long path");
 }
 
-/* --- an output of several planes, which the fake has not: its structs are translated --- */
+/* --- an output with several planes, which the fake lacks: its structs are translated --- */
 
 static int planes_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
@@ -382,7 +382,7 @@ static void test_lists(void)
 
 static uint32_t asked;
 
-/* Of each kind one, and then again and again the last. */
+/* One of each kind, then the last again and again. */
 static void controls_of_all_kinds(void *answer, int error)
 {
     static const struct {
@@ -458,7 +458,7 @@ static void with_odd_time(void *answer, int error)
         b->timestamp = odd_time;
 }
 
-/* Times that no 64 bits of nanoseconds hold count as none: the frame has the time at which it came. */
+/* Times beyond 64 bits of nanoseconds count as none: the frame gets its time of arrival. */
 static void test_times(void)
 {
     static const odd times = {VIDIOC_DQBUF, with_odd_time, 0};
@@ -500,7 +500,7 @@ static void with_grown_graph(void *answer, int error)
     }
 }
 
-/* A media graph that grows between counting and reading is not read beyond what there is room for. */
+/* A media graph that grows between counting and reading is not read beyond the allocated room. */
 static void test_grown_graph(void)
 {
     static const odd grows = {MEDIA_IOC_G_TOPOLOGY, with_grown_graph, 0};
@@ -518,7 +518,7 @@ static void test_grown_graph(void)
     }
 }
 
-/* --- the kernel's own table, as far as no camera is needed --- */
+/* --- the kernel's own table, where no camera is needed --- */
 
 static void count_names(void *closure, const char *name)
 {

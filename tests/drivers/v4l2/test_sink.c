@@ -26,7 +26,7 @@ static int is_rgb(uint32_t fourcc)
            fourcc == V4L2_PIX_FMT_RGBX32 || fourcc == V4L2_PIX_FMT_ABGR32 || fourcc == V4L2_PIX_FMT_RGBA32;
 }
 
-/* --- a frame, and what must come of it --- */
+/* --- a frame, and its expected result --- */
 
 typedef struct frame {
     uint32_t width, height;
@@ -34,7 +34,7 @@ typedef struct frame {
     pupil_image_const image;
 } frame;
 
-/* Random, with every corner of the colour cube. bottom_up: the top row is the last one in memory. */
+/* Random pixels, with every corner of the colour cube. bottom_up: the top row is the last one in memory. */
 static frame make_frame(uint32_t width, uint32_t height, int bottom_up)
 {
     frame f = {width, height, malloc((size_t)3 * width * height), {0}};
@@ -67,7 +67,7 @@ static long double luma(const rule *r, const frame *f, uint32_t x, uint32_t y)
     return r->limited ? 16 + 219 * v / 255 : v;
 }
 
-/* Of the pixels from (x, y), `rows` of two; which: 0 Cb, 1 Cr. */
+/* Mean chroma of the pixels from (x, y), two in each of `rows`; which: 0 Cb, 1 Cr. */
 static long double chroma(const rule *r, const frame *f, uint32_t x, uint32_t y, uint32_t rows, int which)
 {
     long double sum = 0;
@@ -91,8 +91,8 @@ static long double rgb_code(const fake_v4l2_screen *s, const rule *r, const fram
     return r->limited ? 16 + 219 * code / 255 : code;
 }
 
-/* The farthest sample of rows of a plane. kind: 0 RGB, 1 Y', 2 YUYV, 3 UYVY, 4 Cb, 5 Cr, 6 Cb Cr, 7 Cr Cb. rows_each:
- * rows of pixels for one of the plane. */
+/* The largest error of a sample in rows of a plane. kind: 0 RGB, 1 Y', 2 YUYV, 3 UYVY, 4 Cb, 5 Cr, 6 Cb Cr, 7 Cr Cb.
+ * rows_each: rows of pixels for one of the plane. */
 static long double plane_off(const fake_v4l2_screen *s, const rule *r, const frame *f, size_t first, uint32_t stride,
                              int kind, uint32_t rows_each)
 {
@@ -140,7 +140,7 @@ static void check_screen(const fake_v4l2_screen *s, const rule *r, const frame *
                                          s->fourcc == V4L2_PIX_FMT_NV16 ? 1 : 2));
         }
     }
-    CHECK_MSG(most <= 0.51L, "%s: a sample is %Lg codes off", what, most); /* rounding, and the factors' own */
+    CHECK_MSG(most <= 0.51L, "%s: a sample is %Lg codes off", what, most); /* rounding of codes and of the factors */
 }
 
 /* --- formats --- */
@@ -168,7 +168,7 @@ static void show(const fake_v4l2_config *config, const rule *r, uint32_t width, 
     fake_v4l2_screen screen;
     pupil_sink *sink = open_sink(fake, "/dev/video2", width, height);
     CHECK_MSG(sink != NULL, "%s: %s", what, why.text);
-    for (uint64_t i = 1; sink && i <= 7; i++) { /* more than it has buffers */
+    for (uint64_t i = 1; sink && i <= 7; i++) { /* more than its number of buffers */
         frame f = make_frame(width, height, i % 2 == 0);
         CHECK_MSG(pupil_sink_write(sink, &f.image, NULL, &why) == PUPIL_SINK_OK, "%s: %s", what, why.text);
         CHECK(fake_v4l2_shown(fake, &screen) == i);
@@ -208,7 +208,7 @@ static void test_formats(void)
         }
 }
 
-/* Every grey is without colour, and every one of 2^16 colours within a code. */
+/* Every grey stays grey, and each of 2^16 colours is within a code. */
 static void test_grey(void)
 {
     fake_v4l2_config c;
@@ -231,7 +231,7 @@ static void test_grey(void)
     free(f.rgb);
 }
 
-/* What a user has set stays; else it is RGB24. */
+/* A format that a user has set stays; else it is RGB24. */
 static void test_order(void)
 {
     fake_v4l2_config c;
@@ -355,7 +355,7 @@ static void test_ends(void)
 
 /* --- every call fails --- */
 
-/* Whether the fault was met. */
+/* Returns whether the fault was met. */
 static int play(const fake_v4l2_config *config, unsigned long at, unsigned long many, int error)
 {
     const pupil_sink_options options = {.width = 32, .height = 24, .fps = 30};

@@ -1,4 +1,4 @@
-/* A camera's stream: times, numbers, what is lost or damaged, and every way in which it can end. */
+/* A camera's stream: times, numbers, lost and damaged frames, and every way in which it can end. */
 #include "fake_source.h"
 
 #include <errno.h>
@@ -34,7 +34,7 @@ static void test_times(void)
                 pupil_frame frame;
                 CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
                 const pupil_v4l2_frame *f = pupil_live_frame(s.source);
-                CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* continues where 32 bits end */
+                CHECK(frame.info.sequence == UINT32_MAX - 2 + i); /* continues after a 32-bit overflow */
                 CHECK(f->sequence == UINT32_MAX - 2 + (uint32_t)i);
                 CHECK(f->stamp == (stamp == FAKE_STAMP_NONE           ? PUPIL_LIVE_STAMP_NONE
                                    : stamp == FAKE_STAMP_END_OF_FRAME ? PUPIL_LIVE_STAMP_END_OF_FRAME
@@ -54,7 +54,7 @@ static void test_times(void)
         }
 }
 
-/* Stamps that cannot be of the clock that they are said to be of: the frames' arrival is their time. */
+/* Timestamps that cannot be from the stated clock: frames get their time of arrival. */
 static void test_other_clock(void)
 {
     static const int64_t ahead_ns[] = {INT64_C(1700000000000000000), 2000000000, -INT64_C(990000000000), 3000000, 0};
@@ -79,7 +79,7 @@ static void test_other_clock(void)
     }
 }
 
-/* Losses, damages and cuts drawn from the seed: every frame is either handed out or counted. */
+/* Random lost, damaged and truncated frames: every frame is either delivered or counted. */
 static void test_losses(void)
 {
     for (int multiplanar = 0; multiplanar < 2; multiplanar++) {
@@ -110,7 +110,7 @@ static void test_losses(void)
         }
         CHECK(c->frames == 2000 && c->lost == lost && c->repeated == 0);
         CHECK_MSG(missing == c->lost + c->flagged + c->cut - before, "%llu missing", (unsigned long long)missing);
-        /* Each share is a tenth of what the one before leaves of some 2700 frames. */
+        /* Of some 2700 frames, each share is a tenth of what the previous one leaves. */
         CHECK_MSG(
             c->lost > 200 && c->lost < 350 && c->flagged > 180 && c->flagged < 320 && c->cut > 150 && c->cut < 300,
             "%llu %llu %llu", (unsigned long long)c->lost, (unsigned long long)c->flagged, (unsigned long long)c->cut);
@@ -118,7 +118,7 @@ static void test_losses(void)
     }
 }
 
-/* A driver that does not count is no driver that loses frames. */
+/* A driver that does not number its frames does not count as losing them. */
 static void test_no_numbers(void)
 {
     fake_v4l2_config config = usual();
@@ -133,8 +133,8 @@ static void test_no_numbers(void)
     fake_source_close(&s);
 }
 
-/* A program that needs three frames' time for each: the queue would be full for ever, and each frame shown after it. It
- * is found out, and from then on the newest frame is taken; until the program is fast again. A recording keeps all. */
+/* A program that needs three frames' time for each: the queue would always be full, and each frame late by its length.
+ * This is detected, and the newest frame is taken until the program is fast again. A recording keeps all frames. */
 static void test_pace(void)
 {
     for (int late = PUPIL_LIVE_LATE_KEPT; late <= PUPIL_LIVE_LATE_BY_PACE; late++) {
@@ -185,7 +185,7 @@ static void test_newest(void)
         CHECK_MSG(frame.info.sequence == (newest ? 4 : 1), "%llu", (unsigned long long)frame.info.sequence);
         pupil_source_done(s.source, &frame);
         CHECK(fake_source_counts(&s)->late == (newest ? 3 : 0) && fake_source_counts(&s)->lost == 0);
-        system->poll(system->context, NULL, 0, 1000); /* thirty: more than there are buffers */
+        system->poll(system->context, NULL, 0, 1000); /* thirty: more than the number of buffers */
         CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
         pupil_source_done(s.source, &frame);
         for (int i = 0; i < 7; i++) {
@@ -197,7 +197,7 @@ static void test_newest(void)
     }
 }
 
-/* Frames until something else comes; what it was. */
+/* Takes frames until something else comes; returns that. */
 static int run(fake_source *s, uint64_t most, uint64_t *frames)
 {
     pupil_frame frame;
@@ -211,8 +211,8 @@ static int run(fake_source *s, uint64_t most, uint64_t *frames)
     return got;
 }
 
-/* Each way to end, by its sentence; then once more, which must say something again; and with it no more than the
- * timeout is waited. */
+/* Each way to end, by its sentence; then once more, which must give a sentence again; neither waits longer than the
+ * timeout. */
 static void check_end_of(const char *what, const fake_v4l2_config *config, uint64_t frames, int expected,
                          const char *sentence)
 {
@@ -294,7 +294,7 @@ static void test_reopen(void)
         CHECK(run(&s, 5, &frames) == PUPIL_SOURCE_FRAME && frames == 5 && fake_source_counts(&s)->frames == 13);
         fake_source_close(&s);
     }
-    /* One that does not come back. */
+    /* A camera that does not come back. */
     fake_v4l2_config c = usual();
     uint64_t frames;
     c.unplug_at = 3;
@@ -304,7 +304,7 @@ static void test_reopen(void)
     CHECK(clock_of(&s) > INT64_C(1020000000000) && clock_of(&s) < INT64_C(1021000000000));
     CHECK(run(&s, 10, &frames) == PUPIL_SOURCE_FAILED && frames == 0 && *s.why.text);
     fake_source_close(&s);
-    /* One that comes back each time, and has no frame. */
+    /* A camera that comes back each time, but has no frame. */
     c = usual();
     c.flagged = 1;
     s = fake_source_open("/dev/video0", &c, &options);
@@ -322,7 +322,7 @@ static int stop(void)
     return stops_left-- <= 0;
 }
 
-/* options.stop is asked while waiting for a frame, for a camera, and between frames. */
+/* options.stop is called while waiting for a frame or a camera, and between frames. */
 static void test_stop(void)
 {
     const pupil_v4l2_options options = {.timeout_s = 100, .reopen_s = 100, .stop = stop};
@@ -358,7 +358,7 @@ static void test_controls(void)
         CHECK(fake_source_next(&s, &frame) == PUPIL_SOURCE_FRAME);
         memcpy(&first, frame.image.data, 2);
         const double light = fake_v4l2_scene(1, i, 0, 0, 1) * 65535.0 / FAKE_SCENE_WHITE;
-        const double factor = i < 5 + 3 ? 1.0 : 0.5; /* set after frame 4 was out; gain is clamped to 16/16 */
+        const double factor = i < 5 + 3 ? 1.0 : 0.5; /* set after frame 4 was delivered; gain is clamped to 16/16 */
         CHECK_MSG(first - light * factor < 1 && first - light * factor > -1, "frame %u: %u for %g", i, first,
                   light * factor);
         if (i == 4)
@@ -368,7 +368,7 @@ static void test_controls(void)
     fake_source_close(&s);
 }
 
-/* A day at a frame in five seconds, with everything that goes wrong: nothing is held that was not at first. */
+/* A day at one frame in five seconds, with every failure: nothing accumulates. */
 static void test_long(void)
 {
     fake_v4l2_config c = usual();
@@ -389,7 +389,7 @@ static void test_long(void)
     fake_source_close(&s);
 }
 
-/* A frame costs three system calls, and no more while it is waited for than its slices of time. */
+/* A frame costs three system calls; waiting adds at most one per time slice. */
 static void test_calls(void)
 {
     const fake_v4l2_config c = usual();

@@ -1,5 +1,5 @@
-/* tests/drivers/window/fake_sdl.h: the functions of SDL that drivers/window calls, in the place of SDL's: a screen of
- * the test's choice, on which nothing shows, and whose n-th call that may fail does. */
+/* tests/drivers/window/fake_sdl.h: the functions of SDL that drivers/window calls, instead of SDL's: a screen of the
+ * test's choice that shows nothing, and whose n-th call that can fail does. */
 #ifndef PUPIL_TESTS_DRIVERS_WINDOW_FAKE_SDL_H
 #define PUPIL_TESTS_DRIVERS_WINDOW_FAKE_SDL_H
 
@@ -8,14 +8,14 @@
 typedef struct fake_sdl {
     const char *driver, *gl_version; /* NULL: no such string */
     int bounds_w, bounds_h;          /* 0: unknown */
-    int density;                     /* pixels for one of the screen's units */
+    int density;                     /* pixels per unit of the screen */
     unsigned newest;                 /* contexts up to this version: 31 */
     int no_functions;
     SDL_Event events[8];
     int event_count, event_next;
     unsigned long calls, fail_at; /* from 1; 0: none */
     const char *failed;
-    int started, windows, contexts; /* what there is */
+    int started, windows, contexts; /* what exists */
     int w, h, minor, resized, text_input;
     Uint32 flags;
     char title[64];

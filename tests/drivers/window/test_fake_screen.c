@@ -1,4 +1,4 @@
-/* Windows on screens that lack something, or fail: a sentence, and nothing is left; their sizes; and what comes as
+/* Windows on screens that lack something or fail: a sentence, and nothing leaks; their sizes; and which events give
  * which key. */
 #include "fake_sdl.h"
 
@@ -68,7 +68,7 @@ static void test_refusals(void)
         closes(window);
     }
     fake_sdl_begin();
-    fake.driver = "offscreen"; /* as asked for */
+    fake.driver = "offscreen"; /* as requested */
     setenv("SDL_VIDEODRIVER", "offscreen", 1);
     pupil_window *window = opens(&(pupil_window_options){.width = 8, .height = 8}), *second;
     CHECK(window && pupil_window_open(&second, &(pupil_window_options){.width = 8, .height = 8}, &why) == -1 &&
@@ -87,7 +87,7 @@ static void test_refusals(void)
     CHECK(at == 4);
 }
 
-/* The picture's shape, in what room the screen has, in pixels. */
+/* The picture's shape within the screen's room, in pixels. */
 static void test_sizes(void)
 {
     static const struct {
@@ -128,7 +128,7 @@ static void test_events(void)
     fake_sdl_begin();
     pupil_window *window = opens(&(pupil_window_options){.width = 8, .height = 8});
     CHECK(fake.text_input && pupil_window_poll(window) == PUPIL_WINDOW_NOTHING);
-    fake.events[0].type = SDL_TEXTINPUT; /* of no letters, as input methods send */
+    fake.events[0].type = SDL_TEXTINPUT; /* without letters, as from input methods */
     fake.events[1].type = SDL_TEXTINPUT;
     strcpy(fake.events[1].text.text, "a\x1b\xc3\xa9");
     fake.events[2].type = SDL_KEYDOWN;

@@ -60,7 +60,7 @@ static uint64_t reapply(pupil_camera *camera)
 
 static void frame(pupil_camera *camera, uint64_t sequence, int started)
 {
-    (void)camera, (void)sequence, (void)started; /* it knows without being told */
+    (void)camera, (void)sequence, (void)started; /* knows it without this call */
 }
 
 static void in_force(pupil_camera *camera, uint64_t sequence, pupil_frame_info *info)

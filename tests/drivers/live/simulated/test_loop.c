@@ -1,6 +1,6 @@
-/* pupil/camera_loop.h on the simulated camera, through the table of pupil/camera_controls.h: the level comes right with
- * writes that take no time, a frame or many; with writes that are refused for a while; and again with a camera that was
- * lost and came back. While a write is under way the setting does not move. */
+/* pupil/camera_loop.h on the simulated camera, through the table of pupil/camera_controls.h: the level becomes right
+ * with writes that take no time, one frame or many, with writes that are refused for a while, and after a camera was
+ * lost and came back. While a write is in progress the setting does not move. */
 #include <errno.h>
 #include <math.h>
 
@@ -9,14 +9,14 @@
 #include "pupil/pupil.h"
 #include "simulated_camera.h"
 
-enum { FRAMES = 400, STEP = 100 /* the frame from which on there is eight times the light */ };
+enum { FRAMES = 400, STEP = 100 /* the first frame with eight times the light */ };
 
 typedef struct rig {
     simulated_camera camera;
     pupil_camera_loop loop;
     pupil_stats stats;
     fixture_truth truth;
-    double off_ev; /* of the frame as the sensor took it, from the key */
+    double off_ev; /* of the frame as the sensor took it, relative to the key */
 } rig;
 
 static void open_camera(rig *r, const char *light, double exposure_s, double gain)
@@ -58,7 +58,7 @@ static void end(rig *r)
     CHECK(pupil_camera_close(&r->camera.base, &why) == 0 && r->camera.closed == 1);
 }
 
-/* Frames from the step of light to the first from which on the level stays within 0.15 EV of the key. */
+/* Frames from the step of light until the level stays within 0.15 EV of the key. */
 static int frames_to_settle(uint32_t write_frames)
 {
     static rig r;
@@ -81,7 +81,7 @@ static int frames_to_settle(uint32_t write_frames)
     return settled;
 }
 
-/* A large step takes one write, and up to two more for what was clipped; each of them its time and the delay of 3. */
+/* A large step takes one write, and up to two more for clipped light; each takes its own time and the delay of 3. */
 static void test_slow(void)
 {
     static const uint32_t write_frames[] = {0, 1, 2, 5, 10, 30};
@@ -93,7 +93,7 @@ static void test_slow(void)
     }
 }
 
-/* The light changes while the camera is busy, and stays as it is then: nothing but the loop asks again. */
+/* The light changes while the camera is busy, then stays constant: only the loop asks again. */
 static void test_refused(uint32_t write_frames)
 {
     static rig r;
@@ -121,7 +121,7 @@ static void test_refused(uint32_t write_frames)
     end(&r);
 }
 
-/* One that comes back goes on from the level that was wanted, not from the one that it has. */
+/* A camera that comes back continues at the wanted setting, not at the one that it has. */
 static void test_lost(void)
 {
     static rig r;
@@ -150,7 +150,7 @@ static void test_lost(void)
     end(&r);
 }
 
-/* One setting for good. */
+/* A fixed setting. */
 static void test_hold(void)
 {
     static rig r;
@@ -171,7 +171,7 @@ static void test_hold(void)
     end(&r);
 }
 
-/* A lock of the caller's stays a lock through a slow write, and a wrong configuration changes nothing. */
+/* The caller's lock survives a slow write, and an invalid configuration changes nothing. */
 static void test_retune(void)
 {
     static rig r;
@@ -194,7 +194,7 @@ static void test_retune(void)
     config.lock = 1;
     config.ev_compensation = -1.0;
     CHECK(pupil_camera_loop_retune(&r.loop, &config) == PUPIL_OK);
-    step(&r); /* splits the total that is wanted once more */
+    step(&r); /* splits the wanted total once more */
     const uint64_t asks = r.camera.status.asks;
     for (int i = 0; i < 30; i++)
         step(&r);

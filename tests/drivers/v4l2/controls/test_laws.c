@@ -8,8 +8,8 @@
 #include "pupil/camera_controls.h"
 
 #ifdef __GLIBC__
-/* As in a program that runs in a locale with a comma, which gst-launch-1.0 is by LANG=de_DE: numbers end at a point.
- * The locale itself may not be installed. */
+/* As in a program whose locale has a decimal comma, such as gst-launch-1.0 with LANG=de_DE: numbers end at a point. The
+ * locale itself may not be installed. */
 double strtod(const char *text, char **end)
 {
     char whole[64] = "", *whole_end;
@@ -28,12 +28,12 @@ static void round_trip(const char *name, const pupil_camera_gain *law, pupil_cam
     double last = 0;
     for (int64_t code = range.least; code <= range.most; code += range.step) {
         const double gain = pupil_camera_gain_of_code(law, code);
-        if (law->law != PUPIL_CAMERA_TABLE || gain > last) /* between two rows of a table the lower one counts */
+        if (law->law != PUPIL_CAMERA_TABLE || gain > last) /* between two rows of a table the lower one applies */
             CHECK_MSG(gain > last, "%s: code %lld is %g, the one before %g", name, (long long)code, gain, last);
         const int64_t back = pupil_camera_code_of_gain(law, gain, &range);
         CHECK_MSG(pupil_camera_gain_of_code(law, back) == gain, "%s: code %lld comes back as %lld", name,
                   (long long)code, (long long)back);
-        if (last > 0 && gain > last) { /* between two codes: the lower, by whose step the gain is too low */
+        if (last > 0 && gain > last) { /* between two codes: the lower one, so the gain is too low by its step */
             const int64_t below = pupil_camera_code_of_gain(law, 0.5 * (last + gain), &range);
             CHECK_MSG(pupil_camera_gain_of_code(law, below) == last, "%s: below %lld comes %lld", name, (long long)code,
                       (long long)below);
@@ -62,9 +62,9 @@ static void check_laws(void)
     round_trip("0.3 dB", &db, (pupil_camera_range){0, 240, 1, 0});
     round_trip("octaves", &octaves, (pupil_camera_range){0, 63, 1, 0});
     round_trip("table", &table, (pupil_camera_range){2, 12, 1, 2});
-    /* codes beyond the pole of the law are never asked for */
+    /* codes beyond the law's pole are never written */
     CHECK(pupil_camera_code_of_gain(&imx219, 1e9, &(pupil_camera_range){0, 1000, 1, 0}) == 255);
-    CHECK(pupil_camera_code_of_gain(&table, 1.0, &(pupil_camera_range){0, 12, 1, 2}) == 4); /* the last that is 1 */
+    CHECK(pupil_camera_code_of_gain(&table, 1.0, &(pupil_camera_range){0, 12, 1, 2}) == 4); /* the last of gain 1 */
 }
 
 static void check_exposures(void)
@@ -148,7 +148,7 @@ static void check_parser(void)
     CHECK(pupil_camera_find_sensor(good, "mine2", &s, &why) == 0);
     CHECK(pupil_camera_find_sensor("", "mine", &s, NULL) == 0);
     CHECK(pupil_camera_find_sensor(NULL, "imx2190", &s, &why) == 0);
-    for (int i = 0; i < 20000; i++) { /* whatever it is given, it ends */
+    for (int i = 0; i < 20000; i++) { /* ends for any input */
         static const char *const pieces[] = {"a",      " ",  "\n",    "gain",  "ratio",  "table", "1:2",
                                              "3",      "-1", "#",     "delay", "matrix", "1e9",   ":",
                                              "source", "\t", "black", "db",    "\r",     "9:"};
@@ -168,8 +168,7 @@ static void get_limits(pupil_camera *camera, pupil_camera_limits *to)
     *to = limits;
 }
 
-/* Each law that pupil/sensor.h has a name for; a camera whose codes have steps, or that has another law, is
- * PUPIL_GAIN_ANY.
+/* Each law that pupil/sensor.h names; a camera whose codes have steps, or with another law, is PUPIL_GAIN_ANY.
  */
 static void check_configuration(void)
 {

@@ -1,5 +1,5 @@
-/* Delays that frames have shown, in the place of those that were believed: of what is written from then on, and of what
- * is on its way. Not where they were given, and not where frames cannot have shown them. */
+/* Delays measured from frames replace the assumed ones, for later writes and for those in flight. Not if they were
+ * configured, and not if frames cannot have shown them. */
 #include <math.h>
 #include <unistd.h>
 
@@ -44,7 +44,7 @@ static double exposure_of(pupil_camera *camera, uint64_t sequence)
     return info.exposure_s;
 }
 
-/* After a frame; so many frames have begun since then. */
+/* Asks after a frame; so many frames have begun since then. */
 static void ask(pupil_camera *camera, uint64_t sequence, double exposure_s, double gain, uint64_t late)
 {
     pupil_camera_status status;
@@ -64,7 +64,7 @@ static void check_limits(pupil_camera *camera, uint32_t exposure_delay, uint32_t
               l.exposure_delay, l.gain_delay, exposure_delay, gain_delay);
 }
 
-/* Asked for after frame 10, so 11 is under way; `shown`: frames from 10 to the first that has it. */
+/* Asked for after frame 10, while 11 is being exposed; `shown`: frames from 10 to the first that has the setting. */
 static void check_shown(uint32_t shown)
 {
     pupil_camera *camera = open_camera(0, 0);
@@ -78,11 +78,11 @@ static void check_shown(uint32_t shown)
         gain_of(camera, n);
         if (n >= truth)
             pupil_camera_learn(camera, shown, 0);
-        /* longer than believed: nobody can know before the believed frame came without it */
+        /* if longer than assumed, that is only known once the assumed frame came without it */
         if (n >= truth || n < 14)
             CHECK_MSG(gain_of(camera, n) == (n < truth ? 2.5 : 4.0), "shown %u, frame %d", shown, (int)n);
     }
-    check_limits(camera, delay, delay); /* gain is taken to be alike, for nobody knows better */
+    check_limits(camera, delay, delay); /* gain is assumed to be alike, as nothing else is known */
     pupil_camera_get_status(camera, &status);
     CHECK(status.exposure_s.from_frame == 10 + shown && status.gain.from_frame == 10 + shown);
     CHECK(exposure_of(camera, 9 + shown) == 0.025 && exposure_of(camera, 10 + shown) == 0.01);
@@ -90,22 +90,22 @@ static void check_shown(uint32_t shown)
     ask(camera, 30, 0.02, 8.0, 0);
     for (uint64_t n = 31; n <= 36; n++)
         CHECK(gain_of(camera, n) == (n < 30 + shown ? 4.0 : 8.0));
-    pupil_camera_learn(camera, shown, shown + 1); /* and now somebody does */
+    pupil_camera_learn(camera, shown, shown + 1); /* now the gain's delay is known */
     check_limits(camera, delay, delay + 1);
     close_camera(camera);
 }
 
-/* The frames are counted from the one that was measured, of which several may have begun since. */
+/* Frames are counted from the measured one; several may have begun since. */
 static void check_late(void)
 {
     pupil_camera *camera = open_camera(0, 0);
     gain_of(camera, 10);
-    ask(camera, 10, 0.01, 4.0, 2); /* 13 is under way */
+    ask(camera, 10, 0.01, 4.0, 2); /* 13 is being exposed */
     for (uint64_t n = 11; n <= 16; n++)
         gain_of(camera, n);
     pupil_camera_learn(camera, 4, 0); /* 14 was the first */
     check_limits(camera, 1, 1);
-    ask(camera, 16, 0.02, 8.0, 0); /* otherwise late: which of both was seen? */
+    ask(camera, 16, 0.02, 8.0, 0); /* otherwise late: which of the two was seen? */
     for (uint64_t n = 17; n <= 24; n++)
         gain_of(camera, n);
     pupil_camera_learn(camera, 3, 3);
@@ -118,7 +118,7 @@ static void check_late(void)
     close_camera(camera);
 }
 
-/* The frame that would tell the two delays apart was lost. */
+/* The frame that would distinguish the two delays was lost. */
 static void check_lost(void)
 {
     pupil_camera *camera = open_camera(0, 0);

@@ -1,6 +1,6 @@
 /* The whole loop on a driver's controls: a fake imx219 whose frames are exposed with what was written to it some frames
- * ago, the camera's library, and pupil/sensor.h. What in_force says of a frame is what it was taken with; the loop
- * settles, in daylight and in the dark, and asks for a longer frame where that is allowed. */
+ * ago, the camera's library, and pupil/sensor.h. in_force reports what each frame was taken with; the loop settles, in
+ * daylight and in the dark, and asks for a longer frame if that is allowed. */
 #include <math.h>
 #include <unistd.h>
 
@@ -19,7 +19,7 @@ static pupil_camera *open_camera(void)
     return pupil_camera_open(&options, &why);
 }
 
-/* Exposure and gain that are in the registers. */
+/* Exposure and gain in the registers. */
 static void registers(double at[2])
 {
     at[0] = (double)fake_value(&fake, V4L2_CID_EXPOSURE) * LINE_S;

@@ -1,4 +1,5 @@
-/* Taking a camera, steering it in the right order, giving it back: also where any call of the driver fails. */
+/* Taking over a camera, setting its controls in the right order, giving it back: also if any call of the driver
+ * fails. */
 #include <errno.h>
 #include <math.h>
 #include <unistd.h>
@@ -60,7 +61,7 @@ static void check_uvc(void)
     pupil_camera_get_limits(camera, &l);
     CHECK(fabs(l.exposure_min_s - 3e-4) < 1e-12 && fabs(l.exposure_max_s - 0.2047) < 1e-12 &&
           l.exposure_step_s == 1e-4);
-    CHECK(l.readout_s == 0); /* of a webcam nobody tells */
+    CHECK(l.readout_s == 0); /* a webcam's is not known */
     CHECK(l.has_gain && !l.gain_known && l.gain_min == 1 / 16.0 && l.gain_max == 255 / 16.0 && l.exposure_delay == 3);
     pupil_sensor_config_default(&config);
     pupil_camera_configure(camera, &config);
@@ -76,7 +77,7 @@ static void check_uvc(void)
     CHECK(pupil_camera_close(camera, &why) == 0 && as_before());
     CHECK(pupil_camera_close(NULL, &why) == 0);
 
-    /* what the camera lacks is not touched, and its menu is obeyed */
+    /* missing controls are not touched, and the menu is obeyed */
     fake_uvc(&fake);
     fake.control[0].menu = 1 << V4L2_EXPOSURE_SHUTTER_PRIORITY | 1 << V4L2_EXPOSURE_APERTURE_PRIORITY;
     fake.needs_manual = 0;
@@ -131,16 +132,16 @@ static void check_sensor(void)
           status.gain.taken == 4);
     pupil_camera_get_limits(camera, &l);
     CHECK(fabs(l.frame_s - 0.1) < line_s && l.exposure_max_s > 0.099);
-    /* exposures are multiples of lines that come back as they are */
+    /* exposures in whole lines come back unchanged */
     for (int lines = 4; lines < 1759; lines += 97) {
         wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = lines * line_s}));
         CHECK(fake_value(&fake, V4L2_CID_EXPOSURE) == lines);
     }
-    fake.one_by_one = 1; /* a driver that takes no batch */
+    fake.one_by_one = 1; /* a driver that refuses batches */
     wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = 100 * line_s, .gain = 2}));
     pupil_camera_get_status(camera, &status);
     CHECK(!status.failed && status.gain.taken == 2 && fake_value(&fake, V4L2_CID_EXPOSURE) == 100);
-    /* what is no number, or nothing, changes nothing */
+    /* values that are not finite and positive change nothing */
     number = pupil_camera_ask(camera, &(pupil_camera_setting){.exposure_s = NAN, .gain = -1, .frame_s = INFINITY});
     wait_for(camera, number);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE) == 100 && fake_value(&fake, V4L2_CID_ANALOGUE_GAIN) == 128);
@@ -151,17 +152,18 @@ static void check_sensor(void)
     CHECK(!open_sensor() && strstr(why.text, "PIXEL_RATE") && as_before());
 }
 
-/* The n-th call fails, alone with EIO for every n of a session, and for every ninth with all that follow and with other
- * errors: a sentence or a count of failed writes, never a crash, and everything put back wherever the driver takes it.
+/* The n-th call fails: alone with EIO for every n of a session; for every ninth n also with all later calls, and with
+ * other errors. The result is a sentence or a count of failed writes, never a crash, and everything is restored if the
+ * driver accepts it.
  */
 static void check_failures(void)
 {
     static const int numbers[] = {EIO, EINVAL, EBUSY, ENODEV};
     for (int sensor = 0; sensor < 2; sensor++)
         for (int kind = 0; kind < 8; kind++) {
-            const long every = kind ? check_every(9) : 1; /* a close that fails takes 30 ms */
+            const long every = kind ? check_every(9) : 1; /* a failing close takes 30 ms */
             long calls = 0;
-            /* n 0: nothing fails, to count the calls */
+            /* n 0: no failure, to count the calls */
             for (long n = 0; n == 0 || n <= calls; n += n ? every : 1 + kind % every) {
                 if (sensor)
                     fake_sensor(&fake);
@@ -176,7 +178,7 @@ static void check_failures(void)
                     pupil_camera_status status;
                     wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){0.01, 2, sensor ? 0.05 : 0}));
                     pupil_camera_get_status(camera, &status);
-                    /* EINVAL says that there is no EXPOSURE_AUTO; the exposure then is not to be written */
+                    /* EINVAL means that there is no EXPOSURE_AUTO; then the exposure cannot be written */
                     CHECK(status.failed == 0 || status.error == numbers[kind / 2] ||
                           (numbers[kind / 2] == EINVAL && status.error == EACCES));
                     const int result = pupil_camera_close(camera, &why);

@@ -1,4 +1,4 @@
-/* The writer: nobody waits for the driver, the latest ask wins, and what was in force in which frame is known. */
+/* The writer: no caller waits for the driver, the latest ask wins, and it is known what was in force in which frame. */
 #include <math.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -44,7 +44,7 @@ static double now_s(void)
 }
 
 /* A write that takes two seconds. Meanwhile 150 frames each make all four calls, and none of them waits for the write.
- * The test checks the order and not the time: after the last call the write is still running. */
+ * The test checks order, not time: after the last call the write is still running. */
 static void check_slow_write(void)
 {
     fake_uvc(&fake);
@@ -64,7 +64,7 @@ static void check_slow_write(void)
         pupil_frame_info info;
         pupil_camera_frame(camera, frame, 0);
         pupil_camera_in_force(camera, frame, &info);
-        CHECK(info.exposure_s == 0.025 && info.gain == 2.5); /* what it was opened with */
+        CHECK(info.exposure_s == 0.025 && info.gain == 2.5); /* the setting that it was opened with */
         last = pupil_camera_ask(camera, &(pupil_camera_setting){0.002 + 1e-4 * (double)frame, 2, 0});
     }
     CHECK(status_of(camera).written < first && status_of(camera).writing && last == first + 150);
@@ -75,12 +75,12 @@ static void check_slow_write(void)
     int exposures = 0;
     for (int i = 0; i < fake.logged; i++)
         exposures += fake.log[i].id == V4L2_CID_EXPOSURE_ABSOLUTE;
-    CHECK(exposures == 2); /* ... and none of those between */
+    CHECK(exposures == 2); /* ... and none in between */
     CHECK(pupil_camera_close(camera, &why) == 0);
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_ABSOLUTE) == 250 && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == 3);
 }
 
-/* What an ask leaves as it is, one before it may still want. */
+/* What an ask leaves open keeps the value of an earlier ask. */
 static void check_merging(void)
 {
     fake_uvc(&fake);
@@ -113,7 +113,7 @@ static void check_in_force(void)
     pupil_camera *camera = open_camera(1, 0);
     wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){500 * line_s, 2, 0}));
     CHECK(fabs(in_force(camera, 0).exposure_s / line_s - 500) < 1e-9); /* before any frame: in force from the first */
-    pupil_camera_frame(camera, 10, 0);                                 /* 11 is under way */
+    pupil_camera_frame(camera, 10, 0);                                 /* 11 is being exposed */
     wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){1000 * line_s, 4, 0}));
     CHECK(status_of(camera).exposure_s.from_frame == 13 && status_of(camera).gain.from_frame == 12);
     for (uint64_t frame = 0; frame < 16; frame++) {
@@ -127,7 +127,7 @@ static void check_in_force(void)
     pupil_camera_frame(camera, 5, 0);                                       /* late: it does not turn the time back */
     wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){700 * line_s, 0, 0}));
     CHECK(status_of(camera).exposure_s.from_frame == 22);
-    for (int i = 0; i < 100; i++) { /* more than are kept: the newest are right */
+    for (int i = 0; i < 100; i++) { /* more than are remembered: the newest are right */
         pupil_camera_frame(camera, 100 + (uint64_t)i, 0);
         wait_for(camera, pupil_camera_ask(camera, &(pupil_camera_setting){(100 + i) * line_s, 0, 0}));
     }
@@ -137,7 +137,7 @@ static void check_in_force(void)
     CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
-/* Written at the frame's start; and where none comes, all the same. */
+/* Written at the frame's start; also if no frame comes. */
 static void check_frame_start(void)
 {
     fake_sensor(&fake);
@@ -154,7 +154,7 @@ static void check_frame_start(void)
     CHECK(pupil_camera_close(camera, &why) == 0);
 }
 
-/* A write that hangs: close comes back, and everything is put back once the driver does. */
+/* A write that hangs: close returns, and everything is restored once the driver returns. */
 static void check_hanging_close(void)
 {
     fake_uvc(&fake);
