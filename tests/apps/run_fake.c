@@ -6,20 +6,19 @@
  * Keys: size=WxH, format=FOURCC (that alone), bt2020 (the driver reports its colorspace), fps=N, delay=FRAMES (of
  * controls), flat=N (a scene of one value), colour=R,G,B (of the light), drop=SHARE, flag=SHARE, unplug=FRAME,
  * back=SECONDS, end=FRAME, stall=FRAME, sleep=WRITE,SECONDS (of controls), black=SHARE (of full scale), deaf=exposure
- * or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's, whatever is said), slow=1,HINTS,HEAPS (memory;
- * fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls), write=SECONDS (each takes so long), work=SECONDS
- * (each takes so much of the processor's time), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver says of these
- * controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST, change=FRAME,
- * lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver reports of it),
- * again=WxH@FRAME (the size once it was unplugged), light=FACTOR@FRAME (repeatable), real (the machine's clock),
- * other-light=FACTOR (there is a second camera, -d /dev/video9, so much more sensitive; else like the first),
- * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty, threads (that
- * sleep, as libraries have them). At its end it says on standard
- * error where its controls were left: "fake: auto 3, exposure 77, gain 40".
+ * or gain (which then does nothing), gain-earlier=FRAMES, curve (sRGB's, regardless of the report), slow=1,HINTS,HEAPS
+ * (memory; fake_v4l2.h), refuse=WRITE,COUNT,ERRNO (so many writes of controls), write=SECONDS (each takes so long),
+ * work=SECONDS (each takes so much of the processor's time), exposure=LEAST,MOST and gain=LEAST,MOST (what the driver
+ * says of these controls), no-menu (of EXPOSURE_AUTO), stamps=SECONDS (ahead of the clock; 0: none), sequence=FIRST,
+ * change=FRAME, lamps=HZ,MODULATION,SECONDS (their light, and the readout), lines=PIXEL_RATE,HBLANK (what the driver
+ * reports of it), again=WxH@FRAME (the size after it was unplugged), light=FACTOR@FRAME (repeatable), real (the
+ * machine's clock), other-light=FACTOR (a second camera, -d /dev/video9, so much more sensitive, else like the first),
+ * other-unplug=FRAME, other-gain=MOST, absent, media, no-controls, crash=FRAME, hasty, threads (that sleep, as those of
+ * libraries). At its end it prints on standard error how its controls were left: "fake: auto 3, exposure 77, gain 40".
  *
  * The camera's clock (not with real) is stopped while any other thread of the program is busy. Otherwise hundreds of
- * frames could pass until a busy machine lets the thread run that writes controls. A thread that sleeps is not waited
- * for, so that writes can still be slow by the camera's clock. hasty: nobody is waited for. */
+ * frames could pass before a busy machine runs the thread that writes controls. Sleeping threads are not waited for, so
+ * that writes can still be slow by the camera's clock. hasty: no thread is waited for. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -55,10 +54,10 @@ static struct {
     double other_light; /* of the second camera; 0: there is none */
     unsigned long other_unplug;
     int32_t other_gain;
-    int is_other; /* this process has that one */
+    int is_other; /* this process has the second camera */
 } rig;
 
-/* Its process opens the same fake, which is its own there. */
+/* The second camera's process opens the same fake, its own copy. */
 static int rig_open(void *context, const char *path)
 {
     if (!(rig.other_light > 0.0) || strcmp(path, "/dev/video9") != 0)
@@ -80,7 +79,7 @@ static int is_control(unsigned long request)
            request == VIDIOC_G_CTRL || request == VIDIOC_S_EXT_CTRLS || request == VIDIOC_G_EXT_CTRLS;
 }
 
-/* What the driver says of a control's range. */
+/* The range that the driver reports for a control. */
 static void narrow(struct v4l2_query_ext_ctrl *q)
 {
     const int i = q->id == V4L2_CID_GAIN;
@@ -95,7 +94,7 @@ static void narrow(struct v4l2_query_ext_ctrl *q)
     }
 }
 
-/* Of a thread of this process: whether it runs, is about to, or waits for a disk. */
+/* Whether a thread of this process runs, is runnable, or waits for a disk. */
 static int is_busy(const char *id)
 {
     char path[64], line[512];
@@ -110,7 +109,7 @@ static int is_busy(const char *id)
     return state && (strncmp(state, ") R", 3) == 0 || strncmp(state, ") D", 3) == 0);
 }
 
-/* Without an allocation: tests/failures fails those of the program, one after the other. */
+/* Without allocations: tests/failures makes the program's allocations fail, one after the other. */
 static int others_are_busy(void)
 {
     _Alignas(struct dirent64) char entries[2048];
@@ -129,7 +128,7 @@ static int others_are_busy(void)
     return busy;
 }
 
-/* In the thread of main alone: two that wait for each other would not go on. */
+/* Only in main's thread: two threads waiting for each other would deadlock. */
 static void wait_for_others(void)
 {
     const struct timespec moment = {0, 200000};
@@ -137,14 +136,14 @@ static void wait_for_others(void)
         nanosleep(&moment, NULL);
 }
 
-/* The clock passes here. */
+/* Time passes here. */
 static int rig_poll(void *context, struct pollfd *fds, nfds_t count, int timeout_ms)
 {
     wait_for_others();
     return fake_v4l2_system(rig.fake)->poll(context, fds, count, timeout_ms);
 }
 
-/* Between a frame's arrival and its metering: a write that was asked for in between is done, as within 33 ms it is. */
+/* Between a frame's arrival and its metering: finishes a write that was asked for in between, as 33 ms would. */
 static int64_t rig_now_ns(void *context)
 {
     wait_for_others();
@@ -363,7 +362,7 @@ int main(int argc, char **argv)
     if (fake_v4l2_holds(rig.fake).files)
         fprintf(stderr, "fake: files are left as it ends, which a program would take with it\n");
     for (int i = 0; fake_v4l2_holds(rig.fake).files && i < 1000; i++)
-        nanosleep(&moment, NULL); /* a write that hung, and puts back what it was before by itself */
+        nanosleep(&moment, NULL); /* a write that hung, and itself restores the old value */
     if (!config.absent && !rig.no_controls)
         tell_controls();
     const fake_v4l2_held held = fake_v4l2_holds(rig.fake);

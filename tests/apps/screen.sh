@@ -1,6 +1,6 @@
 # screen.sh: sourced after lib.sh by tests that need a screen: a virtual one, 640 x 480.
 
-# on_no_screen ARGUMENTS...: without a display the program says so, and leaves no output a.y4m
+# on_no_screen ARGUMENTS...: without a display the program says so, and leaves no a.y4m
 on_no_screen() {
     needs Xvfb xdotool import convert
     got=0
@@ -24,7 +24,7 @@ begin_screen() {
     export DISPLAY
 }
 
-# look: the whole screen as it is now, in look.png
+# look: saves the present screen as look.png
 look() { import -window root look.png; }
-# mean CROP: of that picture's part, 0 to 65535
+# mean CROP: the mean of that part of look.png, 0 to 65535
 mean() { convert look.png -crop "$1" +repage -colorspace gray -format '%[fx:int(65535*mean)]' info:; }

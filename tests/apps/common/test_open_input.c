@@ -1,4 +1,4 @@
-/* What a user names as an input: which of the drivers is asked, by what it says. */
+/* Names of inputs: which driver is asked, as shown by its messages. */
 #include "check.h"
 
 #include "common/open_input.h"

@@ -1,4 +1,4 @@
-/* Light of any unit: the same picture from 1e-8 to 1e8, levels in the frame's own units, ordinary light left alone, and
+/* Light in any unit: the same picture from 1e-8 to 1e8, levels in the frame's own units, ordinary light unchanged, and
  * noise dark.
  */
 #include "frame/any_scale.h"
@@ -13,7 +13,7 @@ enum { WIDTH = 240, HEIGHT = 135 };
 
 static float scene[HEIGHT][WIDTH][4], light[HEIGHT][WIDTH][4];
 
-/* A room of 12 stops with a window, and a lamp in it of 6 stops more: log-average near 2^-4. */
+/* A room of 12 stops with a window, and a lamp 6 stops brighter: log-average near 2^-4. */
 static void make_scene(void)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -41,7 +41,7 @@ static pupil_frame frame_at(double scale)
                          .name = "made"};
 }
 
-/* What becomes of the frame; its picture is in p->display until the pipeline is closed. */
+/* Maps the frame; its picture is in p->display until the pipeline is closed. */
 static pupil_exposure map(frame_pipeline *p, any_scale *a, pupil_frame *frame)
 {
     pupil_why why = {""};
@@ -89,7 +89,7 @@ static void check_pictures(void)
     }
 }
 
-/* Ordinary light, codes and halves are let be, with their data; so is the alpha of what is multiplied. */
+/* Ordinary light, codes and halves are not scaled or copied; nor is alpha scaled. */
 static void check_left_alone(void)
 {
     any_scale a = {0};
@@ -114,7 +114,7 @@ static void check_left_alone(void)
     any_scale_close(&a);
 }
 
-/* Frames without light set no scale; the first with light does. */
+/* Frames without light set no scale; the first one with light does. */
 static void check_black(void)
 {
     any_scale a = {0};
@@ -129,7 +129,7 @@ static void check_black(void)
     any_scale_close(&a);
 }
 
-/* Normal, by twelve uniform ones. */
+/* Normal, as a sum of twelve uniform numbers. */
 static double normal(void)
 {
     double sum = -6.0;
@@ -138,7 +138,7 @@ static double normal(void)
     return sum;
 }
 
-/* Behind a lens cap: noise around 0, or cut off there, and hot pixels, one in a thousand. */
+/* Behind a lens cap: noise around 0, or clamped at 0, and one hot pixel in a thousand. */
 static pupil_frame lens_cap(double sigma, int cut, int grey)
 {
     pupil_frame frame = frame_at(1.0);
@@ -153,8 +153,8 @@ static pupil_frame lens_cap(double sigma, int cut, int grey)
     return frame;
 }
 
-/* Noise is dark, in any unit: its codes are those of 8-bit noise at the limit of amplification, and the reason says
- * that the light is at the floor. */
+/* Noise is dark, in any unit: its codes are those of 8-bit noise at the amplification limit, and the reason says that
+ * the light is at the floor. */
 static void check_noise(void)
 {
     static const double sigmas[] = {1e-8, 1e-4, 1.0, 1e5};
@@ -168,7 +168,7 @@ static void check_noise(void)
         size_t count[256] = {0}, below = 0;
         for (size_t k = 0; k < (size_t)HEIGHT * WIDTH * 3; k++)
             count[codes[k]]++;
-        int median = 0, most = 0; /* most: of 99 % */
+        int median = 0, most = 0; /* most: code below which 99 % are */
         for (int code = 0; code < 256; code++) {
             below += count[code];
             median += 2 * below < (size_t)HEIGHT * WIDTH * 3;
@@ -185,7 +185,8 @@ static void check_noise(void)
     }
 }
 
-/* Light is no noise: colours beyond the gamut, with a negative channel; a black frame around a picture; one pure lamp.
+/* Light is not taken for noise: colours beyond the gamut, with a negative channel; a black frame around a picture; one
+ * pure lamp.
  */
 static void check_no_noise(void)
 {
@@ -211,7 +212,7 @@ static void check_no_noise(void)
 }
 
 /* The next frame of a source, with a law that adapts at once. */
-/* Nor are areas of strong colours, each of which lacks a channel or two: bars, a checked board, and few pixels. */
+/* Nor are areas of strong colours, each without one or two channels: bars, a chequerboard, and few pixels. */
 static void check_colours(void)
 {
     for (int i = 0; i < 4; i++) {
@@ -225,7 +226,7 @@ static void check_colours(void)
                 for (int c = 0; c < 3; c++)
                     light[y][x][c] = colour >> c & 1 ? 1.0f : i == 1 ? -0.1f : 0.0f;
             }
-        if (i == 3) { /* 4x4, of noise: too few to say so */
+        if (i == 3) { /* 4x4 pixels of noise: too few to decide */
             frame = lens_cap(1.0, 0, 0);
             frame.image.width = frame.image.height = 4;
         }
@@ -246,7 +247,7 @@ static pupil_exposure next(frame_pipeline *p, any_scale *a, pupil_frame frame)
     return e;
 }
 
-/* A cap that comes and goes: noise is dark wherever it comes, light keeps its own scale, and the levels are the file's.
+/* A cap that comes and goes: noise is always dark, light keeps its own scale, and levels are in the file's units.
  */
 static void check_cap_comes(void)
 {

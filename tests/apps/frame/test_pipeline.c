@@ -1,6 +1,5 @@
 /* A frame on the CPU's threads has the bits of pupil_process. The CPU takes over from the GPU in the middle of a run:
- * the adapted level is unbroken, and the picture is the CPU's within what gpu.md allows; a context that is gone is
- * noticed by itself. */
+ * the adapted level continues, and the picture is the CPU's within the limits of gpu.md; a lost context is detected. */
 #include "frame/pipeline.h"
 
 #include <dlfcn.h>
@@ -12,7 +11,7 @@ enum { WIDTH = 61, HEIGHT = 37, FRAMES = 24, HANDOVER = 11 };
 
 static float light[HEIGHT][WIDTH][4];
 
-/* Each frame has its own light, so that the level is on its way all the time. */
+/* Each frame has its own light, so that the level is always moving. */
 static pupil_frame make_frame(int number)
 {
     const float stops = 3.0f * sinf(0.4f * (float)number);
@@ -44,7 +43,7 @@ static void start(run *r, uint32_t white)
     CHECK(frame_pipeline_open(&r->pipeline, &config, 1) == 0);
 }
 
-/* A frame that was metered. */
+/* A frame as metered. */
 static void show(run *r, const pupil_frame *frame)
 {
     pupil_why why = {""};
@@ -76,8 +75,8 @@ static void compare(const run *a, const run *b, int number)
               number);
 }
 
-/* Directly through EGL, so that neither the engine nor the pipeline notices. EGL is looked up, because a build without
- * a GPU does not link it, and does not come here. */
+/* Directly through EGL, so that neither the engine nor the pipeline notices. EGL is looked up at run time, because a
+ * build without a GPU does not link it and does not come here. */
 static void lose_context(void)
 {
     void *(*display)(void);
@@ -90,7 +89,7 @@ static void lose_context(void)
 /* How the GPU ends at frame HANDOVER. */
 typedef enum ending {
     GIVEN_UP,         /* by the caller */
-    LOST,             /* the context is gone without a word */
+    LOST,             /* the context is lost without notice */
     LOST_WHEN_METERED /* the same, after it has metered the frame: the CPU maps it, and it is not metered again */
 } ending;
 
@@ -127,7 +126,7 @@ static void hand_over(uint32_t white, uint32_t version, ending how)
     frame_pipeline_close(p);
 }
 
-/* On several threads the CPU gives the bits of pupil_process, in both orders, also before there is any light. */
+/* On several threads the CPU gives the bits of pupil_process, in both orders, also before the first light. */
 static void like_process(uint32_t order, uint32_t white)
 {
     static unsigned char whole[HEIGHT][WIDTH][3];
@@ -161,7 +160,7 @@ static void like_process(uint32_t order, uint32_t white)
     frame_pipeline_close(&p);
 }
 
-/* The curve is the one place that says how a frame is mapped: the caller's takes effect. */
+/* Only the curve says how a frame is mapped: the caller's takes effect. */
 static void own_curve(void)
 {
     run r;

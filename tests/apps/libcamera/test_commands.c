@@ -1,4 +1,4 @@
-/* pupil list, probe, run and record on a camera of libcamera that is not there. */
+/* pupil list, probe, run and record on a fake libcamera camera. */
 #include "check.h"
 #include "scratch.h"
 
@@ -99,7 +99,7 @@ static void test_list(void)
     done(&o);
 }
 
-/* Where libcamera does not start, V4L2's cameras are listed all the same. */
+/* If libcamera does not start, V4L2 cameras are still listed. */
 static void test_no_libcamera(void)
 {
     outcome o = run_command(list_on, NO_LIBCAMERA, (const char *const[]){"list", NULL});
@@ -109,7 +109,7 @@ static void test_no_libcamera(void)
     done(&o);
 }
 
-/* Without -d it is the one that is there. */
+/* Without -d the only camera is used. */
 static void test_probe(void)
 {
     for (int sensor = 0; sensor < 2; sensor++) {
@@ -164,7 +164,7 @@ static void test_run(void)
     done(&o);
 }
 
-/* The longest id that there is room for, in a file with what the last run ended with. */
+/* The longest possible id, in the file that keeps the last run's exposure. */
 static void test_resume(void)
 {
     static char id[256];

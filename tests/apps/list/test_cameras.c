@@ -1,4 +1,4 @@
-/* pupil list, with cameras that are not there. */
+/* pupil list, with fake cameras. */
 #include "check.h"
 
 #include <cjson/cJSON.h>
@@ -40,7 +40,7 @@ static void test_text(void)
     config.twin = 1;
     fake_v4l2 *fake = fake_v4l2_new(&config);
     listing l = list_of(fake_v4l2_system(fake), 0);
-    CHECK(l.status == 0 && *l.err == 0); /* metadata and outputs are no cameras, and no errors */
+    CHECK(l.status == 0 && *l.err == 0); /* metadata and output nodes are neither cameras nor errors */
     CHECK_MSG(strcmp(l.out, "/dev/video0  Fake Camera  fake  fake:1  YUYV 64x48@30,15,5 32x24@30,15,5 320x240@30,15,5\n"
                             "/dev/video3  Fake Camera, the other  fake  fake:2  YUYV 64x48@30,15,5 32x24@30,15,5 "
                             "320x240@30,15,5\n") == 0,
@@ -119,7 +119,7 @@ static void test_json(void)
     fake_v4l2_free(fake);
 }
 
-/* A fault anywhere leaves a status, and a sentence where something is missing from the list. */
+/* After any fault there is a status, and a sentence if something is missing from the list. */
 static void test_faults(void)
 {
     for (unsigned long at = 1, met = 1; met; at++) {

@@ -1,9 +1,9 @@
-/* What --white-balance, --matrix, --black-level and --knees take, and what they say to the rest. */
+/* What --white-balance, --matrix, --black-level and --knees accept, and their messages for other values. */
 #include "check.h"
 #include "options/commands.h"
 #include "run/options.h"
 
-/* What the row of `pupil run` does with a value. */
+/* What the option's row of `pupil run` does with a value. */
 static int take(const char *name, const char *text, pupil_colour_options *o, pupil_why *why)
 {
     run_options run = {.colour = *o};

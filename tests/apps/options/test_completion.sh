@@ -1,5 +1,5 @@
 #!/bin/sh
-# What `pupil completion bash` prints, in a bash without help from elsewhere: commands, options, the words of a choice.
+# What `pupil completion bash` prints, in a bash without other completions: commands, options, the words of a choice.
 set -eu
 program=${PUPIL_PROGRAM:?}
 command -v bash >/dev/null || { echo "skipped: no bash"; exit 77; }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# docs/pupil.1 is what the program makes, `pupil help --man >docs/pupil.1`, and a formatter takes it without a warning.
+# docs/pupil.1 is the output of `pupil help --man >docs/pupil.1`, and a formatter reads it without a warning.
 set -eu
 program=${PUPIL_PROGRAM:?}
 page=$(dirname "$0")/../../../docs/pupil.1

@@ -1,5 +1,5 @@
-/* The table of options: every row of every command has its help, its place in the man page and in the completion, takes
- * its default and both ends of its range, and refuses what is just outside. */
+/* The table of options: every row of every command has its help and is in the man page and the completion, accepts its
+ * default and both ends of its range, and refuses values just outside. */
 #include "check.h"
 #include "options/commands.h"
 #include "record/options.h"
@@ -25,7 +25,7 @@ static void check_taken(const option_command *command, const option_row *row, co
               why.text);
 }
 
-/* Refused with the option, its value, and words of what would be right. */
+/* Refused with the option, its value, and what would be right. */
 static void check_refused(const option_command *command, const option_row *row, const char *text, const char *words)
 {
     pupil_why why;
@@ -74,7 +74,7 @@ static void check_size(const option_command *command, const option_row *row)
         check_refused(command, row, wrong[i], "");
 }
 
-/* What `pupil COMMAND WORD` or `pupil COMMAND WORD ""` can become. */
+/* The completions of `pupil COMMAND WORD` or `pupil COMMAND WORD ""`. */
 static const char *completed(const option_command *command, const char *word)
 {
     static char text[4096];
@@ -169,7 +169,7 @@ static size_t bytes_of(option_kind kind)
                                                            : 0;
 }
 
-/* What help says is the default is what there is without the option. */
+/* The default in the help is the value without the option. */
 static void check_defaults(const option_command *command, const void *options)
 {
     const option_row *row;
@@ -202,7 +202,7 @@ static void test_defaults(void)
     check_defaults(&record_command, &record);
 }
 
-/* The words of one command line, and what it says or is. */
+/* The words of one command line, and the expected message or result. */
 static int parse(const char *line, frame_options *o, pupil_why *why)
 {
     static char words[256], *argv[16];
@@ -241,7 +241,7 @@ static void test_lines(void)
     says("replay x --output y", "--output: no such option of pupil replay; -o names outputs; the folder of");
     says("replay x --output=y", "--output: no such option of pupil replay; -o names outputs;");
     says("replay -i x", "-i: no such option of pupil replay; inputs have no option in front: pupil replay IN.mp4");
-    if (bench_command.parts) /* this build has it */
+    if (bench_command.parts) /* this build has the command */
         says("replay x --peers", "it is of pupil bench kernels;");
     says("replay x -d 5", "-d: no such option of pupil replay; it is of pupil run, pupil record");
     says("replay x -qz", "-z: no such option of pupil replay; 'pupil");

@@ -1,4 +1,4 @@
-/* --plot: every run can be drawn, with anything in it; long runs are thinned without losing a spike; failures are
+/* --plot: every run can be drawn, regardless of its values; long runs are thinned without losing a spike; failures are
  * sentences. */
 #include "output/plot.h"
 
@@ -85,7 +85,7 @@ static void drawn(const char *name, const frame_log_entry *records, size_t count
     CHECK(scratch_exists(scratch(name)));
 }
 
-/* A camera under control has its exposure and gain drawn; manual, or with numbers missing, too. */
+/* A controlled camera's exposure and gain are drawn, also manual ones or with missing numbers. */
 static void check_camera(const frame_log_entry *records)
 {
     static frame_log_entry live[300];
@@ -149,7 +149,7 @@ static void check_refusals(void)
     CHECK_MSG(strcmp(why.text, "--plot needs gnuplot; on Debian: apt-get install gnuplot-nox") == 0, "%s", why.text);
     CHECK(scratch_entries(scratch_folder) == before);
 
-    /* A gnuplot that fails, and one that writes nothing. */
+    /* A gnuplot that fails, or writes nothing. */
     scratch_put(scratch("gnuplot"), "#!/bin/sh\necho >&2\necho 'line 7: no such terminal' >&2\necho half\nexit 1\n");
     chmod(scratch("gnuplot"), 0755);
     CHECK(pupil_plot_write(scratch("x.svg"), 1, &one, 1, "", &why) != 0);

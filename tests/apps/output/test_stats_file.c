@@ -1,4 +1,4 @@
-/* --stats: what is read back is what was written, bit for bit; odd names and numbers; complete or absent. */
+/* --stats: values are read back as written, bit for bit; odd names and numbers; complete or absent. */
 #include "output/stats_fields.h"
 #include "output/stats_file.h"
 #include "output/stats_json.h"
@@ -58,7 +58,7 @@ static void write_three(const char *path, frame_log_entry records[3])
     CHECK(scratch_exists(path));
 }
 
-/* Without a frame nothing is there, and what was there before stays. */
+/* Without a frame there is no file, and an earlier one stays. */
 static void check_empty(void)
 {
     pupil_stats_file *file = NULL;
@@ -70,7 +70,7 @@ static void check_empty(void)
     free(text);
 }
 
-/* The text behind "name": in a line, up to the next comma or brace. */
+/* The text after "name": in a line, up to the next comma or brace. */
 static double json_number(const char *line, const char *name, int *is_null)
 {
     char key[64];
@@ -99,7 +99,7 @@ static void check_json(void)
                       got);
         }
     }
-    CHECK(rest && *rest == 0); /* three lines, and the last one is ended */
+    CHECK(rest && *rest == 0); /* three lines, the last one terminated */
     free(text);
     text = slurp(scratch("s.jsonl"));
     CHECK(strstr(text, "\"frame\":2,\"name\":\"\"") != NULL);
@@ -160,7 +160,7 @@ static void check_refusals(void)
 {
     pupil_stats_file *file = NULL;
     CHECK(pupil_stats_file_open(&file, scratch("s.txt"), 1, &why) != 0 && strstr(why.text, ".csv") != NULL);
-    CHECK(pupil_stats_file_open(&file, ".csv", 1, &why) != 0); /* a hidden file without an ending */
+    CHECK(pupil_stats_file_open(&file, ".csv", 1, &why) != 0); /* a hidden file without an extension */
     CHECK(pupil_stats_file_open(&file, scratch("none/s.csv"), 1, &why) != 0 && strstr(why.text, "none") != NULL);
     CHECK(file == NULL);
     int before = scratch_entries(scratch_folder);
@@ -189,7 +189,7 @@ static void check_full(void)
     CHECK_MSG(failed && strstr(why.text, "standard output") != NULL, "%s", why.text);
 }
 
-/* docs/stats.md names every field. */
+/* docs/stats.md must name every field. */
 static void check_docs(void)
 {
 #ifdef PUPIL_SOURCE_DIR
@@ -203,7 +203,7 @@ static void check_docs(void)
 #endif
 }
 
-/* .json is one array of what .jsonl has line by line; what is cut has its end, too. */
+/* .json is one array of the lines of .jsonl; a truncated one is terminated, too. */
 static void check_array(void)
 {
     frame_log_entry records[3];

@@ -1,4 +1,4 @@
-/* tests/apps/probe/probe_rig.h: one probe of a camera in this process, which is left as it was. */
+/* tests/apps/probe/probe_rig.h: one probe of a camera in this process, which must be left as it was. */
 #ifndef PUPIL_TESTS_APPS_PROBE_RIG_H
 #define PUPIL_TESTS_APPS_PROBE_RIG_H
 
@@ -14,7 +14,7 @@ static inline fake_v4l2_config usual(void)
 {
     fake_v4l2_config config;
     fake_v4l2_config_default(&config);
-    config.flat = 500; /* a scene that is constant */
+    config.flat = 500; /* a constant scene */
     return config;
 }
 
@@ -37,7 +37,7 @@ static inline int stop(void)
     return stops_left == 0;
 }
 
-/* The light while frames come, as a factor, by how many have; NULL: it is constant. */
+/* The light as a factor, by the number of frames so far; NULL: constant. */
 static double (*motion)(unsigned long frames);
 static fake_v4l2 *moving;
 static unsigned long moved_frames;
@@ -61,7 +61,7 @@ typedef struct probed {
     pupil_why why;
 } probed;
 
-/* The result of one probe; in any case the camera is as before. */
+/* The result of one probe; checks that the camera is as before in any case. */
 static inline void probe(probed *p, const fake_v4l2_config *config, int quick, double light)
 {
     const probe_options options = {.quick = quick, .seconds = 30, .stop = stop};

@@ -1,11 +1,11 @@
 #!/bin/sh
-# pupil probe as its user meets it, on a camera in the process: what is printed, what is refused, and the camera's
-# controls put back, on Ctrl-C too. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil probe as a user sees it, on a camera in the process: what is printed, what is refused, and that the camera's
+# controls are restored, also on Ctrl-C. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
 
-# probe STATUS WORDS ARGUMENTS...: the exit status, words in what is printed or said, and the controls as they were
+# probe STATUS WORDS ARGUMENTS...: the exit status, words in standard output or error, and the controls as before
 probe() {
     status=$1 words=$2
     shift 2
@@ -48,7 +48,7 @@ refused 2 "pupil probe: 0: it takes no argument" probe 0
 [ $? = 1 ] || fail "a full disk: exit status"
 grep -qF "standard output cannot be written" said.err || fail "a full disk: $(cat said.err)"
 
-# Ctrl-C, early and in the middle of a step: nothing printed, everything put back
+# Ctrl-C, early and in the middle of a step: nothing printed, everything restored
 for signal in INT TERM HUP; do
     for after in 0.3 1.2; do
         "$program" fake:real fake:flat=500 probe >said.out 2>said.err &
@@ -62,7 +62,7 @@ for signal in INT TERM HUP; do
         [ ! -s said.out ] || fail "$signal: printed: $(cat said.out)"
     done
 done
-# A fault of the program's own, in the middle
+# A crash of the program, in the middle
 {
     "$program" fake:flat=500 fake:crash=80 probe >said.out 2>said.err
     got=$?

@@ -1,4 +1,4 @@
-/* pupil probe on cameras in this process whose delays, laws, black and wrong reports are known. */
+/* pupil probe on cameras in this process with known delays, laws, black levels and wrong reports. */
 #include "probe_rig.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@ static void check_delay(const probe_delay *d, unsigned frames, const char *what)
               "%s: %u (%u..%u), expected %u: %s", what, d->frames, d->least, d->most, frames, d->is.why.text);
 }
 
-/* 8 bits of limited range, sRGB's curve: half a code of the darkest point, light of 2^-6, is 0.043 stops, and of the
- * first, 2^-3, 0.01. 10 bits of linear light: 0.045 and 0.006. */
+/* 8 bits of limited range, sRGB's curve: half a code is 0.043 stops at the darkest point, light 2^-6, and 0.01 at the
+ * first, 2^-3. With 10 bits of linear light: 0.045 and 0.006. */
 #define MOST_OFF_EV 0.055
 
 static void check_law(const probe_law *law)
@@ -36,7 +36,7 @@ static void test_delays(void)
             if (c.stamp == FAKE_STAMP_END_OF_FRAME) {
                 check_delay(&p.report.exposure_delay, delay, "exposure");
                 check_delay(&p.report.gain_delay, delay - earlier, "gain");
-            } else { /* its stamps are those of frame ends all the same: the one under way is taken for one earlier */
+            } else { /* its stamps are read as frame ends: the frame in progress is taken for one earlier */
                 CHECK(p.report.exposure_delay.is.known && p.report.gain_delay.is.known);
                 CHECK(p.report.exposure_delay.frames - p.report.gain_delay.frames == earlier);
             }
@@ -77,7 +77,7 @@ static void check_unknown(const probe_known *is, const char *sentence)
               sentence);
 }
 
-/* What the driver says and the picture does not do. */
+/* What the driver reports and the picture does not do. */
 static void test_lies(void)
 {
     probed p;
@@ -110,7 +110,7 @@ static void test_lies(void)
               "%g off, slope %g", r->gain.off_ev, r->gain.slope);
     pupil_live_modes_free(&p.report.offers.modes);
 
-    c = usual(); /* grey that is called linear, and has sRGB's curve */
+    c = usual(); /* grey reported as linear that has sRGB's curve */
     c.only_format = V4L2_PIX_FMT_Y12;
     c.drawn_xfer = V4L2_XFER_FUNC_SRGB;
     probe(&p, &c, 0, 1.0);
@@ -121,7 +121,7 @@ static void test_lies(void)
     pupil_live_modes_free(&p.report.offers.modes);
 }
 
-/* Pictures in which nothing can be measured say so. */
+/* Pictures in which nothing can be measured are reported as such. */
 static void test_light(void)
 {
     probed p;
@@ -189,7 +189,7 @@ static double ramp(unsigned long frames)
     return exp2(amount * fmod((double)frames + from, speed) / speed);
 }
 
-/* Somebody walks by. */
+/* A person walks by. */
 static double visit(unsigned long frames)
 {
     return (double)frames >= from && (double)frames < from + speed ? exp2(amount) : 1.0;
@@ -211,7 +211,7 @@ static double walk(unsigned long frames)
 
 static unsigned known_things, unknown_things;
 
-/* A scene that moves: what is said is true, or it is said that it moves. How many things were reported. */
+/* A scene that moves: each result is right, or the movement is reported. Returns how many results there were. */
 static unsigned check_moving(double (*how)(unsigned long), int quick)
 {
     probed p;
@@ -271,11 +271,11 @@ static void test_moving(void)
     for (amount = -2; amount < 3; amount += 1)
         check_moving(ramp, 0);
     printf("%u things were told of moving scenes, and %u were not\n", known_things, unknown_things);
-    amount = 0.04, speed = 30, from = 0; /* and what hardly moves is reported all the same */
+    amount = 0.04, speed = 30, from = 0; /* a hardly moving scene is still measured */
     CHECK(check_moving(wave, 0) == 4);
 }
 
-/* At every moment: it stops, and the camera is given back (probe checks it). */
+/* A stop at every moment: the probe ends, and the camera is given back (probe checks that). */
 static void test_stop(void)
 {
     for (int at = 1; at < 400; at = at * 3 / 2 + 1) {

@@ -1,4 +1,4 @@
-/* What pupil probe prints: JSON, field by field, and text. */
+/* The output of pupil probe: JSON, field by field, and text. */
 #include "probe_rig.h"
 
 #include <cjson/cJSON.h>
@@ -11,7 +11,7 @@ static double number_at(const cJSON *object, const char *name)
     return cJSON_IsNumber(item) ? item->valuedouble : -1e300;
 }
 
-/* cJSON writes 15 digits where that is near enough for it. */
+/* cJSON writes 15 digits if it considers that accurate enough. */
 static int is_number(const cJSON *object, const char *name, double value)
 {
     return fabs(number_at(object, name) - value) <= 1e-14 * fabs(value);

@@ -1,4 +1,4 @@
-/* pupil record on a camera that is not there: what is recorded replays with the bits of the live frames' statistics. */
+/* pupil record on a fake camera: a recording replays with the bits of the live frames' statistics. */
 #include "check.h"
 #include "scratch.h"
 
@@ -49,7 +49,7 @@ static int record(fake_v4l2 *fake, const char *words, ...)
     return status;
 }
 
-/* What it said, for messages. */
+/* Its standard error, for messages. */
 static const char *said(void)
 {
     static char text[4096];
@@ -85,7 +85,7 @@ static void meter(pupil_source *source, metered *m, pupil_recorder **recorder)
     }
 }
 
-/* The fake camera is metered and recorded at once; then the recording is metered. */
+/* The fake camera is metered while it is recorded; then the recording is metered. */
 static void test_same_statistics(uint32_t fourcc, int extra_bytes)
 {
     static metered live, again;
@@ -145,7 +145,7 @@ static void test_command(void)
     CHECK(frames_in(folder, &m) == 6 && m.stats[0].pixels == 16 * 12);
     CHECK(record(fake, "-y -t 0.2 --framerate 15 %s", folder) == 0);
     CHECK_MSG(frames_in(folder, &m) == 3, "%d", m.count);
-    /* the controls are written meanwhile, by a thread that a busy machine may leave waiting: for a minute at most */
+    /* meanwhile a thread writes the controls; on a busy machine it may have to wait, for a minute at most */
     for (const time_t begin = time(NULL); time(NULL) - begin < 60 && m.info[11].gain != 2;) {
         CHECK_MSG(record(fake, "-y -n 12 --shutter 5ms --gain 2 %s", folder) == 0, "%s", said());
         CHECK(frames_in(folder, &m) == 12);
@@ -175,15 +175,15 @@ static void ends_of(const char *folder, double ends[2])
     pupil_source_close(source);
 }
 
-/* In steady light the level over exposure and gain is steady, from the first frame on: each line has what its own
- * frame was taken with. */
+/* In constant light the level divided by exposure and gain is constant from the first frame on: each line has the
+ * setting of its own frame. */
 static void test_told(void)
 {
     static metered m;
     fake_v4l2_config config;
     fake_v4l2_config_default(&config);
     config.real_time = 1;
-    config.control_delay = 3; /* what pupil takes it for */
+    config.control_delay = 3; /* what pupil assumes */
     config.flat = 300;
     fake_v4l2 *fake = fake_v4l2_new(&config);
     const char *folder = scratch("told");
@@ -196,13 +196,13 @@ static void test_told(void)
     scratch_clear(folder);
 }
 
-/* The scene is far too dark for what is set; --auto comes to what the loop wants. */
+/* The scene is far too dark for the setting; --auto reaches what the loop wants. */
 static void test_auto(void)
 {
     fake_v4l2_config config;
     double ends[2] = {1, 1};
     fake_v4l2_config_default(&config);
-    config.real_time = 1; /* the writer of the controls is a thread of its own, which has to have its turns */
+    config.real_time = 1; /* the thread that writes the controls needs its turns */
     config.fps = 60;
     fake_v4l2 *fake = fake_v4l2_new(&config);
     fake_v4l2_light(fake, 0.1);
@@ -216,7 +216,7 @@ static void test_auto(void)
     scratch_clear(folder);
 }
 
-/* The camera is unplugged, or the disk is full: what came before is there. */
+/* The camera is unplugged, or the disk is full: earlier frames are kept. */
 static void test_ends(void)
 {
     static metered m;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil record, the program itself: Ctrl-C and SIGTERM end it as it should end, and what it wrote is whole.
+# pupil record, the program itself: Ctrl-C and SIGTERM end it properly, and its recording is complete.
 set -eu
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -35,7 +35,7 @@ ends_by() {
 ends_by INT
 ends_by TERM
 
-# What a source says comes back as it was, and the same statistics with it.
+# A source's metadata comes back unchanged, with the same statistics.
 "$program" record -q synth:walk --width 64 --height 48 -n 7 walk
 "$program" replay synth:walk --size 64x48 -n 7 -q --stats a.csv
 "$program" replay walk -q --stats b.csv
@@ -46,7 +46,7 @@ cmp a.txt b.txt || fail "a recording replays to other statistics"
 
 "$program" replay walk five.y4m -q -o - >said 2>&1 && fail "two inputs, one a recording"
 grep -q 'a recording must be the only input' said || fail "$(cat said)"
-# the recording that is read is not replaced
+# the recording being read is not replaced
 cp -r walk before
 for input in walk walk/frames.mkv ./walk/; do
     status=0

@@ -1,7 +1,7 @@
 #!/bin/sh
-# For test_damaged_*.sh: $each damaged clips of each of H.264, HEVC, VP9, AV1, decoded by ffmpeg, which prints what libav
-# complains of, and by pupil. Each clip with a complaint must be named, and its damage counted; the whole clips must give
-# all of their frames without a word.
+# For test_damaged_*.sh: $each damaged clips of each of H.264, HEVC, VP9, AV1, decoded by ffmpeg, which prints libav's
+# complaints, and by pupil. Each clip with a complaint must be named, and its damage counted; undamaged clips must give
+# all of their frames without a message.
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
 needs ffmpeg
@@ -39,7 +39,7 @@ for clip in h264.mkv hevc.mp4 vp9.webm av1.mkv; do
         seed=$((seed + 1))
         bad=$seed-$clip
         cp $clip "$bad" && damage "$bad" $seed $((8 + 2 * seed))
-        # Its muxer's own remarks are not about the clip.
+        # The remarks of its muxer are not about the clip.
         complaint=$(ffmpeg -v error -nostdin -threads 1 -i "$bad" -map 0:v -f null - 2>&1 | grep -v '^\[null' | head -n 1)
         got=0
         "$program" replay "$bad" -q --keep-going --stats got.csv 2>said.err </dev/null || got=$?
@@ -50,7 +50,7 @@ for clip in h264.mkv hevc.mp4 vp9.webm av1.mkv; do
             grep -qF "$bad: " said.err || fail "$bad is not named: $(cat said.err)"
         fi
         if [ $got = 3 ]; then
-            # A container that is damaged may hide any number of frames behind one sentence.
+            # A damaged container may hide any number of frames behind one sentence.
             skipped=$(grep -c '; skipped$' said.err)
             frames=$(($(wc -l <got.csv) - 1))
             [ "$skipped" -gt 0 ] && [ "$frames" -gt 0 ] && [ "$frames" -lt 50 ] || fail "$bad: $frames frames and $skipped skipped, of 50"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Options that choose frames, and options that cannot act on an input, which are refused.
+# Options that choose frames; options without effect on an input are refused.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -7,7 +7,7 @@ use_pupil
 walk="replay synth:walk --size 32x18 -q"
 column() { awk -F, -v name="$1" '{ sub(/\r$/, "") } NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) n = i; next } { print $n }' "$2"; }
 
-# trimming: the frames of that time, and adaptation begins with them
+# trimming: only the frames of that time, where adaptation begins
 # shellcheck disable=SC2086 # words
 "$program" $walk --fps 25 -n 100 -o clip.mkv --stats all.csv || fail "a clip"
 for how in "-ss 1 -t 0.4" "--ss 1s --duration 400ms"; do
@@ -25,14 +25,14 @@ expect 2 "--duration" replay clip.mkv -t 0
 expect 2 "--hold: gives frames other times" replay clip.mkv -t 1 --hold 2
 absent none.csv
 
-# the sound goes with it
+# the sound is cut with it
 if command -v ffmpeg >/dev/null && ffmpeg -v error -nostdin -i clip.mkv -f lavfi -i "sine=d=4" -c:v copy -c:a aac -shortest sound.mp4 2>said.err; then
     expect 0 "" replay sound.mp4 -q -ss 2 -t 1 -o cut.mkv
     lasts=$(ffprobe -v error -select_streams a -show_entries packet=pts_time -of csv=p=0 cut.mkv | tail -n 1)
     awk -v l="$lasts" 'BEGIN { exit !(l > 0.9 && l < 1.05) }' || fail "the sound of a second ends at $lasts"
 fi
 
-# options that this input does not obey
+# options that do not apply to this input
 "$program" $walk -n 2 -o still || fail "stills"
 expect 1 "--fps: the frames of clip.mkv have times of their own (25 frames a second)" replay clip.mkv --fps 30
 expect 1 "--size: the frames of clip.mkv have a size of their own" replay clip.mkv --size 10x10
@@ -43,7 +43,7 @@ expect 0 "" replay still -q --fps 5 --stats still.csv
 expect 2 "--tau-dark: belongs to the default law" replay still --law 2 --tau-dark 1
 expect 2 "--weight: is how much each new frame counts" replay still --weight 0.1
 
-# two names of one thing
+# two names of the same option
 for law in 1 2 3 4; do
     "$program" $walk -n 30 --law $law -o law.y4m -y && "$program" $walk -n 30 --formula $law -o formula.y4m -y || fail "law $law"
     cmp -s law.y4m formula.y4m || fail "--law $law is not --formula $law"

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Clips as phones make them: stored on their side, with sound. Needs ffmpeg, which makes and judges them.
+# Clips as from phones: stored sideways, with sound. Needs ffmpeg, which makes and checks them.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
 needs ffmpeg ffprobe
 
-# say FILE ENTRIES: of its streams, a line each
+# say FILE ENTRIES: these entries of its streams, a line each
 say() { ffprobe -v error -show_entries "$2" -of csv=p=0 "$1"; }
 
 ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=2 -f lavfi -i "sine=f=440:d=2,volume=0.5" -c:v libx264 -pix_fmt yuv420p \
@@ -17,7 +17,7 @@ for angle in 90 180 270; do
     expect 0 "" replay turned.mp4 -q -n 1 -o turned.png -y
     ffmpeg -v error -nostdin -y -i turned.mp4 -frames:v 1 want.png
     [ "$(say turned.png stream=width,height)" = "$(say want.png stream=width,height)" ] || fail "$angle degrees: another size"
-    # Only the exposure differs, and it is the same for all angles: the picture that is not turned is the measure.
+    # Only the exposure differs, equally for all angles: the unrotated picture is the reference.
     likeness=$(ffmpeg -nostdin -i turned.png -i want.png -lavfi psnr -f null - 2>&1 | grep -o 'average:[0-9.]*')
     [ $angle = 90 ] && first=$likeness
     [ -n "$likeness" ] && [ "$likeness" = "$first" ] || fail "$angle degrees: $likeness, at 90 $first"
@@ -28,7 +28,7 @@ expect 0 "" replay land.mp4 -q -n 1 -o land.png
 cmp -s land.png stored.png || fail "--no-rotate is not the picture as it is stored"
 ffmpeg -v error -nostdin -i land.png -i want.png -lavfi "[0]transpose=2[a];[a][1]psnr" -f null - 2>said.err || fail "$(cat said.err)"
 
-# the sound: as it is, from the first frame to the last
+# the sound: unchanged, from the first frame to the last
 sound() { ffmpeg -v error -nostdin -i "$1" -map 0:a -f framemd5 - 2>said.err | grep -v '^#' | awk -F, '{ print $6 }'; }
 packets() { ffmpeg -v error -nostdin -i "$1" -map 0:a -c copy -f framemd5 - | grep -v '^#' | awk -F, '{ print $6 }'; }
 packets land.mp4 >want.txt
@@ -43,7 +43,7 @@ expect 0 "" replay land.mp4 -q -n 10 -o short.mkv
 last=$(ffprobe -v error -select_streams a -show_entries packet=pts_time -of csv=p=0 short.mkv | tail -n 1)
 awk -v last="$last" 'BEGIN { exit !(last > 0.35 && last < 0.43) }' || fail "the sound of 0.4 s (and 0.02 of what is before it) ends at $last"
 
-# cut short: nothing, or with --keep-going what is there, with the sound of that
+# cut short: nothing, or with --keep-going the existing frames and their sound
 head -c $(($(wc -c <whole.mkv) * 6 / 10)) whole.mkv >half.mkv
 expect 1 "frames: damaged or cut short: File ended prematurely; --keep-going skips" replay half.mkv -o half.mp4
 absent half.mp4
@@ -52,7 +52,7 @@ frames=$(ffprobe -v error -count_frames -select_streams v -show_entries stream=n
 [ "$frames" -gt 10 ] && grep -q "ends after $frames frames" said.err || fail "$frames frames: $(cat said.err)"
 say half.mp4 stream=codec_type | grep -q audio || fail "half.mp4 has no sound"
 
-# where there is no place for it, that is said
+# if the output cannot have sound, that is reported
 expect 0 "a.y4m is without its sound: Y4M has none" replay land.mp4 -o a.y4m
 expect 0 "--hold changes the pace" replay land.mp4 --hold 2 -o held.mp4
 [ "$(say held.mp4 stream=codec_type)" = video ] || fail "--hold has sound"
@@ -74,13 +74,13 @@ ffmpeg -v error -nostdin -i land.mp4 -c copy -an silent.mp4
 expect 0 "" replay silent.mp4 -o c.mp4
 grep -q sound said.err && fail "sound of a silent clip: $(cat said.err)"
 
-# frames that stay for times of their own: Y4M, which has one rate, repeats them
+# frames of different durations: Y4M, which has one rate, repeats them
 ffmpeg -v error -nostdin -i silent.mp4 -vf "select='not(between(n,10,29))'" -vsync vfr -c:v libx264 gap.mp4
 expect 0 "" replay gap.mp4 -q -o gap.y4m -y
 frames=$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 gap.y4m)
 [ "$frames" = 50 ] || fail "two seconds at 25 frames/s have $frames frames in .y4m"
 
-# pixels that are not square, also where the picture is turned
+# non-square pixels, also with a rotated picture
 ffmpeg -v error -nostdin -i silent.mp4 -c:v libx264 -vf setsar=16/15 wide.mp4
 ffmpeg -v error -nostdin -i wide.mp4 -c copy -metadata:s:v:0 rotate=90 tall.mp4
 expect 0 "" replay wide.mp4 -q -o shown.mkv
@@ -90,7 +90,7 @@ expect 0 "" replay tall.mp4 -q -o shown.mp4
 expect 0 "" replay wide.mp4 -q -o shown.y4m
 head -n 1 shown.y4m | grep -q " A16:15 " || fail "wide: $(head -n 1 shown.y4m)"
 
-# The pipes of docs/guide.md, as they stand there: the frames of HDR10 come through them as from the file.
+# The pipes of docs/guide.md, verbatim: HDR10 frames come through them as from the file.
 guide=$(dirname "$0")/../../../docs/guide.md
 ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=0.4 -pix_fmt yuv420p10le -color_primaries bt2020 -color_trc smpte2084 \
     -colorspace bt2020nc -c:v ffv1 hdr10.mkv
@@ -103,7 +103,7 @@ while read -r line; do
     cmp -s file.y4m pipe.y4m || fail "$line: other frames than those of the file"
 done <pipes
 
-# a file that may not become larger
+# a file at its size limit
 (ulimit -f 2 && "$program" replay land.mp4 -q -o full.mp4 2>said.err) && fail "a file beyond its limit is made"
 grep -q "full.mp4: cannot be written: File too large" said.err || fail "beyond the limit: $(cat said.err)"
 ls | grep -q full && fail "beyond the limit: $(ls | grep full)"

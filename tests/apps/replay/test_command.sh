@@ -1,5 +1,5 @@
 #!/bin/sh
-# The program as its user meets it: outputs complete or absent, clear sentences, exit codes, the same bits at any number of
+# The program as a user sees it: outputs complete or absent, clear sentences, exit codes, the same bits at any number of
 # threads. Needs $PUPIL_PROGRAM; runs in a folder of its own.
 set -u
 . "$(dirname "$0")/../../lib.sh"
@@ -77,7 +77,7 @@ for large in "synth:walk --size 64x36" "pan:dark.pfm --size 64x36" raw:large.raw
     rm yes.png
 done
 
-# what is there is kept, unless -y
+# existing files are kept, unless -y
 for made in a.mp4 a.y4m one.png one.tif s.jsonl s.json p.svg; do
     echo mine >$made
     option=-o
@@ -89,7 +89,7 @@ for made in a.mp4 a.y4m one.png one.tif s.jsonl s.json p.svg; do
     [ "$(head -n 1 $made | head -c 4)" != mine ] || fail "$made was not replaced by -y"
 done
 
-# a folder that cannot be written, as a user for whom permissions count
+# a folder that is not writable, as a user other than root
 chmod 755 . && mkdir readonly && echo mine >readonly/kept.mp4 && chmod 555 readonly
 cp "$program" ./pupil
 as_user=
@@ -102,7 +102,7 @@ for option in "-o readonly/a.mp4" "-o readonly/a.png" "-o readonly/folder" "-o r
 done
 [ "$(ls -A readonly) $(cat readonly/kept.mp4)" = "kept.mp4 mine" ] || fail "a read-only folder: $(ls -A readonly)"
 chmod 755 readonly && rm -r readonly pupil
-# One that comes while the run goes on.
+# A file that appears during the run.
 "$program" replay synth:walk --size 64x36 -n 9000 --hold 100 -o late.y4m 2>said.err &
 running=$!
 until_true "no pending file" eval 'ls .late.y4m.*.part >said.out 2>&1'
@@ -112,7 +112,7 @@ ends 1
     grep -q "late.y4m: was made by another program in the meantime; .* as late-1.y4m" said.err ||
     fail "a late file: $(cat said.err)"
 
-# the progress line of a terminal stays on one line of it
+# on a terminal the progress line stays on one line
 env TERM=xterm script -qec "stty cols 60; '$program' replay synth:walk --size 64x36 -n 2" said.out >said.err 2>&1
 tr '\r' '\n' <said.out | sed 's/^.\[K//' | grep '^frame ' >lines || fail "no progress line: $(cat -v said.out)"
 awk 'length($0) > 59 { exit 1 }' lines || fail "a progress line of over 59 characters: $(cat lines)"
@@ -145,7 +145,7 @@ expect 2 "is also an input" replay recorded -o recorded/frames.mkv -y
 "$program" replay taken -o taken/own.y4m -q && "$program" replay taken -o taken/own.y4m -q -y ||
     fail "a video in a folder of stills is no input"
 
-# the same bits at any number of threads; fused is another picture
+# the same bits with any number of threads; fused gives another picture
 for threads in 1 2 3 7; do
     "$program" $walk -n 40 --threads $threads -o t$threads.y4m --stats t$threads.csv || fail "threads $threads"
     cmp -s t1.y4m t$threads.y4m || fail "$threads threads give another picture"
@@ -155,7 +155,7 @@ done
 cmp -s f1.y4m f5.y4m || fail "fused: threads give another picture"
 cmp -s t1.y4m f1.y4m && fail "fused and exact are the same picture, which 40 frames of a walk cannot be"
 
-# dither: of videos, not of stills, not with a report
+# dither: for videos, not for stills, not with a report
 "$program" $walk -n 2 --dither on -o on.y4m -o on && "$program" $walk -n 2 --dither off -o off.y4m -o off &&
     "$program" $walk -n 2 -o video.y4m && "$program" $walk -n 2 -o still || fail "dither"
 cmp -s on.y4m off.y4m && fail "--dither on changes nothing"
@@ -173,12 +173,12 @@ for option in "--ev 1" "--key 0.3" "--white none" "--white 2" "--metering spot" 
     cmp -s t1.y4m o.y4m && fail "$option changes nothing"
 done
 
-# each frame by itself, of a video too: settled at once, wherever the light goes
+# each frame by itself, of a video too: settled at once, regardless of how the light changes
 "$program" $walk -n 100 -o video.mkv
 "$program" replay video.mkv -q --reset-each --stats each.csv || fail "--reset-each"
 [ "$(grep -c settled each.csv)" = 100 ] || fail "--reset-each of a video: only $(grep -c settled each.csv) of 100 settled"
 
-# what is aimed at is what a settled picture has, whatever the key, within what codes and the gamut leave
+# a settled picture has the aimed level for any key, up to rounding to codes and the gamut
 for option in "" "--ev -2" "--key 0.4" "--white none" "--trim 10,90"; do
     # shellcheck disable=SC2086
     "$program" replay synth:room --size 128x72 -q -n 30 $option --stats aimed.csv -y || fail "aimed: $option"
@@ -189,13 +189,13 @@ for option in "" "--ev -2" "--key 0.4" "--white none" "--trim 10,90"; do
     ' aimed.csv || fail "aimed: $option"
 done
 
-# a pixel that no metering weight falls on: held, and time goes on
+# a pixel without metering weight: the level is held, and time passes
 printf 'PF\n1 1\n-1.0\n\0\0\0\77\0\0\0\77\0\0\0\77' >dot.pfm
 "$program" replay dot.pfm -q --roi 0,0,0.1,0.1 --hold 2 --stats dot.csv || fail "a frame without weight"
 [ "$(cut -d, -f4,24 dot.csv | tr -d '\r' | tr '\n' ' ')" = "dt_s,state 0,empty 0.033333333,empty " ] ||
     fail "a frame without weight: $(cut -d, -f4,24 dot.csv)"
 
-# a report tells only what was compared: no log-average where the metering has weights
+# a report has only what was compared: no log-average if the metering has weights
 "$program" $walk -n 2 --report even && "$program" $walk -n 2 --report spot --metering spot || fail "reports"
 grep -q "long double" even/index.html || fail "a report without its figure of the log-average"
 grep -q "long double" spot/index.html && fail "a report of a log-average that was not compared"
@@ -209,7 +209,7 @@ absent m.y4m
 expect 3 "mixed/2.png" replay mixed -o m.y4m --keep-going --stats m.jsonl
 [ "$(wc -l <m.jsonl)" = 2 ] || fail "--keep-going: $(wc -l <m.jsonl) frames, expected 2"
 
-# a full disk, in small: no file above 8 KiB
+# a full disk, simulated: no file above 8 KiB
 for kind in mp4 y4m; do
     (ulimit -f 16 && trap '' XFSZ && "$program" $walk --size 320x180 -n 30 -o full.$kind 2>said.err)
     [ $? = 1 ] || fail "a full disk ends with exit $? for $kind"
@@ -217,7 +217,7 @@ for kind in mp4 y4m; do
     absent full.$kind
 done
 
-# Ctrl-C: the frames until then are kept, as many in each output
+# Ctrl-C: the frames so far are kept, as many in each output
 "$program" $walk --size 640x360 --hold 100 -o c.mp4 -o c.y4m -o cfolder --stats c.csv --report creport 2>said.err &
 running=$!
 until_true "no third picture" eval 'ls .cfolder.*/frame_000002.png >said.out 2>&1'
@@ -233,7 +233,7 @@ done
 absent creport
 rm -rf c.mp4 c.y4m cfolder
 
-# twice: gone without a trace, but for what was complete by then
+# twice: nothing is left, except outputs that were already complete
 mkdir twice
 "$program" $walk --size 640x360 --hold 100 -o twice/c.mp4 2>said.err &
 running=$!
@@ -247,7 +247,7 @@ wait $running
 grep -q interrupted said.err || fail "Ctrl-C twice: $(cat said.err)"
 absent
 
-# the same while the other end of a pipe is there and does nothing
+# the same while the other end of a pipe is open but idle
 mkfifo pipe
 sleep 60 <>pipe &
 sleeper=$!
@@ -293,7 +293,7 @@ wait $running
 [ -s hup.y4m ] || fail "nohup: no output"
 rm -f hup.y4m
 
-# a closed standard error does not make sentences go into an output
+# with a closed standard error no sentence goes into an output
 "$program" replay mixed -o m.y4m --keep-going -y 2>said.err
 "$program" replay mixed -o m2.y4m --keep-going 2>&-
 cmp -s m.y4m m2.y4m || fail "a closed standard error ends up in an output"

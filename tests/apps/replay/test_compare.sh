@@ -1,5 +1,6 @@
 #!/bin/sh
-# --compare: each half is what a run with its settings alone makes, under a label; what it cannot be with is refused.
+# --compare: each half is the result of a run with only its settings, under a label; options that exclude it are
+# refused.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -7,7 +8,7 @@ needs python3
 
 walk="replay synth:walk --size 160x90 -n 12 -q"
 
-# halves COMPARED LEFT RIGHT: Y4M files of 4:4:4; all but the label's bar, 11 rows, is the same in every frame
+# halves COMPARED LEFT RIGHT: Y4M files of 4:4:4; all except the label's bar, 11 rows, is the same in every frame
 halves() {
     python3 - "$@" <<'END'
 import sys
@@ -40,7 +41,7 @@ halves both.y4m plain.y4m key.y4m || fail "the halves are not the runs"
 expect 0 "" $walk --compare "--key 0.3 --tau-dark 3" "" -o turned.y4m --threads 1
 halves turned.y4m key.y4m plain.y4m || fail "the halves the other way round"
 
-# what is outside of the quotes is of both, and what is inside replaces it
+# options outside the quotes apply to both halves, those inside replace them
 "$program" $walk --ev 1 -o ev.y4m && "$program" $walk --ev 1 --law 3 --weight 0.2 --tone adjust -o law.y4m || fail "the runs alone"
 expect 0 "" $walk --ev 1 --compare "" "--law 3 --weight 0.2 --tone adjust" -o outer.y4m
 halves outer.y4m ev.y4m law.y4m || fail "options outside of the quotes"

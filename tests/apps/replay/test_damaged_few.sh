@@ -1,5 +1,5 @@
 #!/bin/sh
-# Damaged frames of four decoders, in small (test_damaged_many.sh has more).
+# Damaged frames of four decoders, a few (test_damaged_many.sh has more).
 set -u
 each=2
 . "$(dirname "$0")/damaged_clips.sh"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Inputs without an end, or that never say anything: devices, pipes, sparse files of a terabyte. Each is refused, or ends
-# by the first Ctrl-C, and leaves nothing.
+# Inputs that never end or never deliver: devices, pipes, sparse files of a terabyte. Each is refused, or ends at the
+# first Ctrl-C, and leaves nothing.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -8,14 +8,14 @@ needs truncate mkfifo
 
 "$program" record synth:walk recording --frames 2 --width 64 --height 64 2>said.err || fail "record: $(cat said.err)"
 
-# hostile NAME: a recording of which this file is something else
+# hostile NAME: a recording in which this file is replaced by such an input
 hostile() {
     rm -rf hostile
     cp -r recording hostile
     rm "hostile/$1"
 }
 
-# ends_by_one_signal ARGUMENTS...: at once by itself, or when asked to
+# ends_by_one_signal ARGUMENTS...: ends by itself at once, or at the first signal
 ends_by_one_signal() {
     "$program" "$@" >said.out 2>said.err </dev/null &
     running=$!
@@ -62,7 +62,7 @@ for input in pipe.exr pipe /dev/zero; do
     ends_by_one_signal render $input -o out.mp4
 done
 
-# What makes libav look for more: an AVI, JPEG and a transport stream, whose first bytes are right.
+# Valid first bytes make libav search for more: an AVI, JPEG and a transport stream.
 printf 'RIFF\0\0\0\0AVI LIST' >big.avi
 printf '\377\330\377\340' >big.mjpg
 printf 'G@\0\020' >packet

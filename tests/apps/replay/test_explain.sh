@@ -1,5 +1,5 @@
 #!/bin/sh
-# --explain: each reason why a frame is dark or bright, in words, on frames that are made to have it.
+# --explain: each reason why a frame is dark or bright, in words, on frames made for it.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -45,7 +45,7 @@ explains "why      most of its pixels are NaN or infinite" nan.pfm --explain 0
 explains "for its highlights" synth:candle --size 64x36 --explain 0 --highlights 8
 explains "nothing can be metered" steady --explain 0 --roi 0,0,0.01,0.01
 
-# without outputs the run ends there; with them it goes on
+# without outputs the run ends there; with them it continues
 explains "frame 0" synth:walk --size 32x18 --explain 0 --stats all.csv -n 20
 [ "$(wc -l <all.csv)" = 21 ] || fail "with --stats: $(wc -l <all.csv) lines"
 expect 1 "--explain 3: steady has 3 frames, which count from 0" replay steady --explain 3

@@ -1,11 +1,11 @@
 #!/bin/sh
-# pupil replay --gles: the CPU's picture within what gpu.md allows, the same bits in every run; what happens where the
-# GPU cannot be had or lacks what is asked for. Needs an OpenGL ES driver, a software one will do.
+# pupil replay --gles: the CPU's picture within the limits of gpu.md, the same bits in every run; what happens if the
+# GPU is not available or lacks a feature. Needs an OpenGL ES driver; software is enough.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
 walk="synth:walk --size 96x54 -n 24"
-# near FILE FILE: of as many bytes; none more than 1 apart, at most one of 10,000 at all
+# near FILE FILE: equal sizes; no byte differs by more than 1, at most one of 10,000 differs
 near() {
     [ "$(wc -c <"$1")" = "$(wc -c <"$2")" ] || { fail "$1 and $2 differ in size"; return; }
     cmp -l "$1" "$2" | awk -v all="$(wc -c <"$1")" '
@@ -73,7 +73,7 @@ for options in "--fused" "--white 3 --ev 1 --metering spot" "--trim 5,95" "--for
     close c.csv g.csv
 done
 
-# sizes and formats that change on the way
+# sizes and formats that change during the run
 mkdir many
 "$program" replay synth:walk --size 32x20 -n 1 -q -o many/1.png
 "$program" replay synth:walk --size 20x33 -n 1 -q -o many/2.png
@@ -83,7 +83,7 @@ head -c 72 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3f/g' >>many/3.pfm
 grep -q "; GPU: " said.err && ! grep -q " of 3 frames" said.err || fail "many sizes: $(cat said.err)"
 close c.csv g.csv
 
-# a version without a histogram where the white point follows; no driver; a version that is too old: the CPU's own bits
+# a version without a histogram although the white point follows; no driver; too old a version: the CPU's own bits
 for how in "needs; --white none" "EGL" "OpenGL ES"; do
     case $how in
     needs*)

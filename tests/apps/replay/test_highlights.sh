@@ -1,6 +1,6 @@
 #!/bin/sh
-# synth:walk, past a window with the sun, at 24, 30, 60 and 240 frames a second: each step of the level is the law's own share
-# of the way to what the frame asks for, highlights and all, and the levels of 60 and 240 are those of 30. Needs
+# synth:walk, past a window with the sun, at 24, 30, 60 and 240 frames a second: each step of the level is the law's
+# share of the distance to the frame's target, highlights included, and the levels at 60 and 240 are those at 30. Needs
 # $PUPIL_PROGRAM; runs in a folder of its own.
 set -u
 . "$(dirname "$0")/../../lib.sh"
@@ -37,7 +37,7 @@ for rate in "24 1" "30 1" "60 2" "240 8"; do
         }' "$fps.csv" without.csv || fail "$fps frames/s: not the steps of the law"
 done
 
-# of each frame of the walk the last time that it is shown: as long ago as at 30
+# each frame of the walk when it is shown the last time: as much time has passed as at 30
 for rate in "60 2" "240 8"; do
     fps=${rate% *} hold=${rate#* }
     awk -F, -v hold="$hold" -v fps="$fps" '

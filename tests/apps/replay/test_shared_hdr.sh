@@ -11,7 +11,7 @@ shared=${PUPIL_SHARED:-$here/../shared}/hdr
 use_pupil
 [ -d "$shared" ] || cannot "no shared images"
 
-# judge NAME SKIP ARGUMENTS...: replays; frames before SKIP are not judged 
+# judge NAME SKIP ARGUMENTS...: replays; frames before SKIP are not checked
 judge() {
     name=$1 first=$2
     shift 2
@@ -26,7 +26,7 @@ judge() {
             u = $at["scale"] * 2 ^ $at["metered_ev"]
             w = $at["white"]
             mapped = u * (1 + (w > 0 ? u / (w * w) : 0)) / (1 + u)
-            off += log(mapped / $at["key"]) / log(2) # which highlights make darker
+            off += log(mapped / $at["key"]) / log(2) # highlights make it darker
             level += log($at["output_level"] / $at["key"]) / log(2)
             black += $at["output_black_share"] - $at["black_share"] - $at["bad_share"]
             white += $at["output_white_share"] - $at["clipped_share"] - $at["bad_share"]

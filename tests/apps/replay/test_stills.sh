@@ -6,7 +6,7 @@ use_pupil
 needs ffmpeg ffprobe python3
 
 sides() { ffprobe -v error -show_entries stream=width,height -of csv=p=0 "$1"; }
-# likeness A B: PSNR in dB, a whole number; 999 where they are the same
+# likeness A B: PSNR in dB, an integer; 999 if they are the same
 likeness() {
     ffmpeg -nostdin -i "$1" -i "$2" -lavfi "[0]format=rgb24[a];[1]format=rgb24[b];[a][b]psnr" -f null - 2>&1 |
         sed -n 's/.*average:\([0-9inf]*\).*/\1/p' | sed 's/inf/999/'
@@ -30,7 +30,7 @@ for size in 40x30 33x17; do # the same picture, whichever format it was in
     [ "$(likeness out/png-$size.png out/jpg-$size.png)" -ge 25 ] || fail "$size: JPEG and PNG differ"
 done
 
-# a name that comes twice, a folder that has other files, and files that stay
+# a name that occurs twice, a folder with other files, and files that stay
 mkdir twice && cp in/png-40x30.png twice/a.png && cp in/tif-30x40.tif twice/a.tif
 expect 1 "out/jpg-30x40.png: is there already" replay in --reset-each -o out
 echo mine >out/notes.txt
@@ -49,14 +49,14 @@ expect 0 "" replay in/png-40x30.png in/jpg-40x30.jpg -o sequence
 [ -s sequence/frame_000001.png ] || fail "a sequence has other names: $(ls sequence)"
 absent
 expect 1 "; that frame is in/png-" replay in/png-* -o sequence.mp4
-# pixels that are no light are told
+# NaN and infinite pixels are reported
 python3 -c 'import struct, sys
 nan, inf = float("nan"), float("inf")
 rows = [[nan] * 3 * 8, [inf] * 3 * 8] + [[0.2] * 3 * 8] * 14
 sys.stdout.buffer.write(b"PF\n8 16\n-1.0\n" + struct.pack("<384f", *sum(rows, [])))' >bad.pfm
 expect 0 "1 frame has pixels that are NaN (shown black) or infinite, up to 12 % of one" replay bad.pfm -o bad.png
 
-# a JPEG comes out as it is seen, and says nothing that it is not
+# a JPEG is written as it is displayed, without wrong tags
 expect 0 "" replay in/png-64x36.png -o one.jpg
 expect 0 "" replay in/png-64x36.png -o one.png
 [ "$(likeness one.png one.jpg)" -ge 38 ] || fail "the JPEG is not the PNG: $(likeness one.png one.jpg) dB"
@@ -74,7 +74,7 @@ expect 1 "one picture" replay in/png-64x36.png --hold 2 -o two.jpeg
 expect 1 "written as sRGB alone" replay in/png-64x36.png --transfer linear -o linear.jpg
 absent two.jpeg two.tiff linear.jpg linear.tif
 
-# a TIFF of floats, which libav lacks, is not called damaged
+# a TIFF of floats, which libav does not support, is not reported as damaged
 python3 - <<'END'
 import struct
 tags = [(256, 3, 8), (257, 3, 8), (258, 3, 32), (259, 3, 1), (262, 3, 1), (273, 4, 8), (277, 3, 1), (278, 3, 8),
@@ -86,7 +86,7 @@ END
 expect 1 "save it as OpenEXR (.exr) or PFM" replay float.tif -o float.png
 absent float.png
 
-# standard input: all of them, as a file and as a pipe
+# all formats on standard input, as a file and as a pipe
 ffmpeg -v error -nostdin -i in/png-40x30.png -pix_fmt gbrpf32le in/x.exr || skip "ffmpeg writes no EXR"
 ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=64x36:r=25:d=1 -c:v mpeg4 late.mp4 # its index comes last
 for input in in/png-40x30.png in/tif-40x30.tif in/jpg-40x30.jpg in/x.exr late.mp4; do

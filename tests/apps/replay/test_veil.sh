@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil replay --veil: whose eye, from where; the same bits with any number of threads; what is refused with which words.
-# Needs $PUPIL_PROGRAM; runs in a folder of its own.
+# pupil replay --veil: options for the eye and the distance; the same bits with any number of threads; what is refused
+# with which words. Needs $PUPIL_PROGRAM; runs in a folder of its own.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -33,12 +33,12 @@ expect 2 "--veil wide: gaussian: sigma must be from 1e-4 to 180 degrees" $walk -
 yes '1 0.01' | head -25 >many
 expect 2 "--veil many, line 25: at most 24 Gaussians" $walk --veil many
 expect 2 "no such option of pupil run; it is of pupil replay" run --veil eye
-# 1,236 pixels wide in this one, which is more than a bloom's lobe may be
+# 1,236 pixels wide here, more than a bloom's lobe may be
 { printf 'PF\n16384 1\n-1.0\n' && head -c 196608 /dev/zero; } >long.pfm
 printf '4.4 0.1\n' >broad
 expect 1 "--bloom: lobe: sigma must be from 0.1 to 1024 pixels" replay long.pfm -q -o long.png --veil broad --bloom
 
-# the same bits with any number of threads; each of them another picture than the one without
+# the same bits with any number of threads; each gives a picture different from the one without
 expect 0 "" $walk -o without.y4m
 for eye in eye eye:25 eye:70 lens; do
     expect 0 "" $walk --veil $eye --threads 1 -o one.y4m --stats one.csv
@@ -59,7 +59,7 @@ cmp -s one.y4m veil-eye.y4m && fail "--bloom: no bloom is seen"
 expect 0 "" $walk --veil eye --bloom --bloom-above 1e9 -o above.y4m
 cmp -s above.y4m veil-eye.y4m || fail "--bloom-above 1e9: there is a bloom of no light"
 
-# the exposure is that of the frame: a veil moves light, and is not metered
+# the exposure is the frame's: a veil moves light, and is not metered
 expect 0 "" $walk --stats without.csv
 cut -d, -f2-5 without.csv >a
 cut -d, -f2-5 one.csv >b

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil replay --view in a virtual screen: the window comes, each key does in the pixels what it is for, by the CPU and by
-# the GPU's path; closing, Ctrl-C, no display.
+# pupil replay --view in a virtual screen: the window opens, each key has its effect on the pixels, on the CPU's and the
+# GPU's path; closing, Ctrl-C, no display.
 set -u
 . "$(dirname "$0")/../screen.sh"
 . "$(dirname "$0")/../../lib.sh"
@@ -23,12 +23,12 @@ start() {
     done
     [ -n "$window" ] || fail "no window: $(cat said.err)"
 }
-# pixels COLOUR: how many there are in the window
+# pixels COLOUR: how many are in the window
 pixels() {
     convert look.png -crop 480x270+80+105 +repage -fill black +opaque "$1" -fill white -opaque "$1" -colorspace gray \
         -format '%[fx:int(mean*w*h+0.5)]' info:
 }
-# A title needs no look at the screen.
+# The title can be read without a screenshot.
 titled() {
     xdotool getwindowname "$window" | grep -qF -- "$1"
 }
@@ -39,11 +39,11 @@ brighter_than() { look && [ "$(mean 440x60+100+125)" -gt "$1" ]; }
 darker_than() { look && [ "$(mean 440x60+100+125)" -lt "$1" ]; }
 has() { look && [ "$(pixels "$1")" -gt "$2" ]; }
 has_no() { look && [ "$(pixels "$1")" -lt "$2" ]; }
-# the left half is as it was, the right one brighter by far
+# the left half is unchanged, the right one much brighter
 is_split() { look && [ "$(mean 140x60+340+125)" -gt $(($(mean 140x60+150+125) * 5 / 4)) ]; }
 is_even() { look && [ "$(mean 140x60+340+125)" -lt $(($(mean 140x60+150+125) * 21 / 20)) ]; }
 
-# A picture of one brightness, so that halves can be compared; light enough for stops to be seen.
+# A picture of one brightness, so that halves can be compared, and bright enough to show stops.
 printf 'PF\n480 270\n-1.0\n' >grey.pfm
 head -c 1555200 /dev/zero | sed 's/\x00\x00\x00\x00/\x00\x00\x80\x3e/g' >>grey.pfm
 
@@ -75,7 +75,7 @@ check_picture() {
     ends 0
 }
 
-# check_rest ARGUMENTS...: what is drawn over it, and what the title tells
+# check_rest ARGUMENTS...: overlays, and the title
 check_rest() {
     start step.pfm --loop --fps 20 "$@"
     [ -n "$window" ] || return
@@ -108,7 +108,7 @@ check_rest() {
     xdotool key l
     xdotool windowsize "$window" 480 400 # with bars of 65 above and below
     until_true "a larger window has no bars" has_bars
-    xdotool key f F11 Escape # no window manager here that could make it full: it must not fall over
+    xdotool key f F11 Escape # no window manager here can make it full screen: it must not crash
     ends 0
 }
 
@@ -118,7 +118,7 @@ check_picture --gles
 grep -q "GPU: \|the CPU continues" said.err || fail "who did the frames is not told: $(cat said.err)"
 check_rest --gles-version 3.0 --white none
 
-# the window's close button, Escape, Ctrl-C; the end of the input waits for a viewer, unless something is written
+# the window's close button, Escape, Ctrl-C; at the end of the input the window stays, unless something is written
 start step.pfm -q
 sleep 1
 kill -0 $running 2>/dev/null || fail "a still does not stay"
@@ -130,7 +130,7 @@ start grey.pfm --loop -q
 kill -INT $running
 ends 130
 
-# what is written beside a window is what is written without one, and closing it keeps what was shown so far
+# outputs are the same with a window as without, and closing it keeps the frames shown so far
 "$program" replay synth:walk --size 64x36 -n 20 -q -o without.y4m
 start synth:walk --size 64x36 -n 20 -q -o with.y4m
 ends 0

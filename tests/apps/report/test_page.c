@@ -1,5 +1,5 @@
-/* --report: base64 and thumbnails as they should be; a page that loads nothing, runs nothing, shows what it was given
- * and nothing that it was not; complete or absent. */
+/* --report: correct base64 and thumbnails; a page that loads nothing, runs nothing, and shows exactly what it was
+ * given; complete or absent. */
 #include "report/report.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void check_base64(void)
     }
 }
 
-/* Black and white columns in turn are half the light: 0.5 linear, which is code 188. */
+/* Alternating black and white columns are half the light: 0.5 linear, which is code 188. */
 static void check_thumbnails(void)
 {
     static const uint32_t size[][4] = {
@@ -60,7 +60,7 @@ static void check_thumbnails(void)
             if (w == t.width && h == t.height)
                 wrong += t.rgb[k] != rgb[(t.height - 1 - k / 3 / t.width) * t.width * 3 + k % (t.width * 3)];
             else
-                wrong += abs(t.rgb[k] - 188) > 2; /* 51.2 rows in a box are not quite in balance */
+                wrong += abs(t.rgb[k] - 188) > 2; /* boxes of 51.2 rows are not quite balanced */
         CHECK_MSG(wrong == 0, "%ux%u: %d samples", w, h, wrong);
         thumbnail_free(&t);
         free(rgb);
@@ -89,7 +89,7 @@ static size_t occurrences(const char *text, const char *word)
 typedef struct run {
     size_t frames;
     int stills, fixed, video;
-    size_t calm_to; /* adapted up to this frame, and then less and less so; 0: never */
+    size_t calm_to; /* adapted up to this frame, then less and less; 0: never */
 } run;
 
 static const char evil[] = "<script>alert('\"&')</script>";
@@ -162,7 +162,7 @@ static void check_page(run how, size_t pictures)
         CHECK(strstr(text, "25 / 50") != NULL && strstr(text, "10.00</td><td class=\"u\">ns / pixel") != NULL);
 }
 
-/* Of a long clip that is adapted throughout the pictures lie evenly: no gap is more than twice another. */
+/* In a long clip that is adapted throughout, the pictures are evenly spaced: no gap is more than twice another. */
 static void check_spacing(size_t frames)
 {
     page_of(scratch("report"), 1, (run){.frames = frames, .calm_to = frames});
@@ -180,7 +180,7 @@ static void check_spacing(size_t frames)
               "%zu frames: %u pictures, gaps %u to %u, the last %u", frames, n, least, most, last);
 }
 
-/* Of one that is not adapted at its end more pictures are of that, and the page says how many there are. */
+/* If a clip is not adapted at its end, more pictures are from there, and the page says how many there are. */
 static void check_told(void)
 {
     page_of(scratch("report"), 1, (run){.frames = 1200, .calm_to = 1100});
@@ -221,7 +221,7 @@ static void check_refusals(void)
     pupil_report_discard(NULL);
 }
 
-/* A video of 64 MiB and a byte, a hole in a file: left out, and the page says so. */
+/* A video of 64 MiB and a byte, as a sparse file: left out, and the page says so. */
 static void check_large_video(void)
 {
     pupil_report *report = NULL;

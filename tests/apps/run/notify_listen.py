@@ -1,4 +1,4 @@
-"""notify_listen.py SOCKET|@NAME FILE: a service manager's socket. What comes is written to FILE, a message a line."""
+"""notify_listen.py SOCKET|@NAME FILE: a service manager's socket. Messages are written to FILE, one a line."""
 import socket
 import sys
 

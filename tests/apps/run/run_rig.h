@@ -1,5 +1,5 @@
-/* tests/apps/run/run_rig.h: what `pupil run` does with a frame, step by step, on the fake camera, with every control
- * written before the next frame begins. */
+/* tests/apps/run/run_rig.h: `pupil run` frame by frame on the fake camera; every control is written before the next
+ * frame begins. */
 #ifndef PUPIL_TESTS_RUN_RIG_H
 #define PUPIL_TESTS_RUN_RIG_H
 
@@ -22,7 +22,7 @@ typedef struct live_run {
     run_sensor sensor;
     run_colour colour;
     run_row_gains lamps;
-    pupil_frame frame; /* that is out */
+    pupil_frame frame; /* that is held */
     frame_log_entry record;
     pupil_why why, remark;
 } live_run;
@@ -62,7 +62,7 @@ static void begin_with(live_run *r, uint32_t mode, const fake_v4l2_config *confi
     CHECK(frame_pipeline_open(&r->pipeline, &r->options.shown.config, 1) == 0);
 }
 
-/* The test as a whole has a time limit. */
+/* The whole test has a time limit. */
 static void await_writes(live_run *r)
 {
     pupil_camera_status status;

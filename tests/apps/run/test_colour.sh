@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil run on raw frames in coloured light: what is shown is grey or is not, as it was asked for; recorded frames keep
-# the balance that they were shown with. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil run on raw frames in coloured light: the picture is grey or not, as requested; recorded frames keep the balance
+# that they were shown with. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
@@ -19,7 +19,7 @@ shown() {
 
 # grey is Cb and Cr of 128; red is a larger Cr
 for balance in "" "--white-balance auto" "--white-balance 1,2,1.33333"; do
-    # words, on purpose
+    # unquoted on purpose
     got=$(shown grey $balance)
     case $got in
     *" 128 128 ") ;;
@@ -35,7 +35,7 @@ set -- $(shown matrix --white-balance off --matrix 0,0,1,0,0,1,0,0,1)
 set -- $(shown black --mode digital --white-balance 1,2,1.33333 --black-level 1022)
 [ "$*" = "16 128 128" ] || fail "all is below black: $*"
 
-# BT.2020 is more saturated in BT.709's numbers; recorded, its replay has the same statistics
+# BT.2020 is more saturated in BT.709; a replay of its recording has the same statistics
 wide() {
     "$program" fake:format=NV12 fake:bt2020 fake:flat=120 fake:colour=1.2,0.8,0.8 --mode digital "$@" -y -n 20 -o wide.y4m \
         --stats wide.csv -q >said.out 2>said.err || fail "BT.2020, $*: $(cat said.err)"
@@ -65,7 +65,7 @@ for mode in digital sensor both; do
     rm -f replay.csv
 done
 
-# of no use with this format: a sentence, and nothing is written
+# no effect with this format: a sentence, and nothing is written
 for given in "--white-balance 2,1,2" "--matrix 1,0,0,0,1,0,0,0,1" "--black-level 64"; do
     # shellcheck disable=SC2086 # words
     call 1 "" fake:format=YUYV $given -n 5 -o useless.y4m -q -y

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil run as its user meets it, on a camera in the process: modes, outputs, every way to end, what is refused; and the
-# camera's controls put back whatever happens. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil run as a user sees it, on a camera in the process: modes, outputs, every way to end, what is refused; and the
+# camera's controls are always restored. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
@@ -63,7 +63,7 @@ refused 1 "MJPX" --format MJPX -o out.y4m
 refused 1 "--shutter: this camera exposes from 0.1 to 1000 ms" --shutter 10us -o out.y4m
 refused 1 "--gain: this camera has gains from 1 to 64" --gain 65 -o out.y4m
 refused 1 "none/out.mp4" -o none/out.mp4 -q
-# seen before a camera is opened
+# detected before a camera is opened
 for name in "--stats stats.txt" "-o picture.bmp" "--plot plot.jpg"; do
     # shellcheck disable=SC2086 # words
     refused 2 "${name#* }: " $name
@@ -73,7 +73,7 @@ done
 grep -q "no camera is there" said.err || fail "no camera: $(cat said.err)"
 absent out.y4m
 
-# a camera without controls: its picture is adapted to, or a sentence where more was asked
+# a camera without controls: its picture is adapted to, or there is a sentence if more was asked for
 "$program" fake:no-controls -n 5 -o plain.y4m 2>said.err || fail "no controls: $(cat said.err)"
 grep -q "EXPOSURE_ABSOLUTE.*--mode digital" said.err || fail "no controls are not told: $(cat said.err)"
 for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 50" "--control-delay 2" "--curve unknown"; do
@@ -83,7 +83,7 @@ for asked in "--mode sensor" "--mode both" "--shutter 10ms" "--gain 2" "--mains 
     grep -qF -- "${asked}" said.err || grep -qF -- "${asked%% *}" said.err || fail "no controls, $asked: $(cat said.err)"
 done
 
-# lamps over a rolling shutter: the readout is the driver's, or told, or there are no gains, and why
+# lamps and a rolling shutter: the readout is the driver's or given; else there are no gains, with the reason
 lamps="fake:size=64x96 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=100,0.3,0.025"
 # shellcheck disable=SC2086 # words
 {
@@ -99,7 +99,7 @@ lamps="fake:size=64x96 fake:format=Y12 fake:flat=600 fake:light=4@1 fake:lamps=1
     grep -q "row" said.err && fail "row gains that were not asked for: $(cat said.err)"
 }
 
-# modes: what is written is what is asked for, and the controls are put back
+# modes: the requested values are written, and the controls are restored
 for mode in digital sensor both; do
     call 0 "mode $mode" fake:delay=3 fake:flat=600 fake:light=2@150 --mode $mode -n 300 --stats $mode.csv -o $mode.y4m
     put_back "$mode"
@@ -121,7 +121,7 @@ done
 call 0 "" fake:delay=3 --mode both --ev 1 -n 90 --stats brighter.csv
 within "$(last camera_key brighter.csv)" 0.1799 0.1801 && within "$(last key brighter.csv)" 0.3599 0.3601 ||
     fail "--ev: keys $(last camera_key brighter.csv) $(last key brighter.csv), not 0.18 and 0.36"
-# a key by the light: 3.87 EV, log2(600 / 4095 / 0.01), then two stops less; half of the way between two points each
+# a key by the light: 3.87 EV, log2(600 / 4095 / 0.01), then two stops less; each halfway between two points
 night="fake:delay=3 fake:flat=600 fake:light=0.25@150 --mode sensor --key-at 0.87:0.04,2.87:0.08,4.87:0.12 -n 300"
 # shellcheck disable=SC2086 # words
 call 0 "" $night --stats night.csv
@@ -163,13 +163,13 @@ call 0 "" fake:real -n 40 -o a.mp4 -o a.mkv -o frames --stats a.jsonl --record r
 [ -s a.mp4 ] && [ -s a.mkv ] && [ -s rec/frames.mkv ] || fail "an output is missing"
 [ "$(wc -l <a.jsonl)" = 40 ] || fail "not 40 lines"
 grep -q '"sequence":39,"lost":0,"flagged":0,"late":0,"exposure_s":' a.jsonl || fail "a line: $(tail -n 1 a.jsonl)"
-# what is there is kept; names with a time or a number are new each time
+# existing outputs are kept; names with a time or a number are new each time
 refused 2 "a.mp4: is there already; -y replaces it, and a-1.mp4 is free" -o a.mp4
 [ -s a.mp4 ] || fail "a.mp4 is gone"
 for n in 000 001 002; do
     call 0 "; shot-$n.png" -n 1 -o shot-%03d.png
 done
-# two that begin together get a number each
+# two runs that begin together get different numbers
 "$program" fake:real -n 5 -q -o two-%d.y4m &
 call 0 "; two-" fake:real -n 5 -o two-%d.y4m
 wait $! || fail "the other of two runs fails"
@@ -200,7 +200,7 @@ if [ -n "${PUPIL_PROGRAM:-}" ]; then
     cmp -s live.cut replay.cut || fail "a recording replays to other statistics"
 fi
 
-# frames that a disk was too slow for: the exit status says so
+# frames lost to a slow disk: the exit status says so
 if [ -n "${PUPIL_PROGRAM:-}" ]; then
     "$program" fake:hasty fake:size=320x240 fake:format=RG10 -n 200 -q --record hasty >said.out 2>said.err
     got=$?
@@ -210,7 +210,7 @@ if [ -n "${PUPIL_PROGRAM:-}" ]; then
     rm -rf hasty
 fi
 
-# frames that are lost: counted, and what is written plays at the camera's speed
+# lost frames are counted, and outputs play at the camera's speed
 call 0 "" fake:drop=0.3 fake:flag=0.1 -n 100 --stats lost.csv -o lost.y4m
 [ "$(sum lost lost.csv)" -gt 20 ] || fail "lost frames are not counted"
 [ "$(sum flagged lost.csv)" -gt 2 ] || fail "damaged frames are not counted"
@@ -219,7 +219,7 @@ want=$(($(last sequence lost.csv) - first + 1))
 bytes=$(($(wc -c <lost.y4m) - $(head -n 1 lost.y4m | wc -c)))
 [ "$bytes" = $((want * (64 * 48 * 3 + 6))) ] || fail "lost.y4m is not as long as the $want frames that were due"
 
-# ends: a closed pipe, a signal, the camera's own end; what was written is kept
+# ends: a closed pipe, a signal, the camera's own end; written frames are kept
 for stream in "-o -" "--stats -"; do
     # shellcheck disable=SC2086 # words
     { "$program" $stream -o piped.y4m; echo $? >status; } 2>said.err | head -c 30000 >/dev/null
@@ -229,7 +229,7 @@ for stream in "-o -" "--stats -"; do
     put_back "$stream"
     rm -f piped.y4m
 done
-# ... in the first frame: nothing else is there, nor named, and that is no failure, either
+# ... in the first frame: there is no other output, none is named, and that is not a failure, either
 {
     until [ -e closed ]; do sleep 0.1; done
     "$program" -o - -o first.y4m --stats first.csv --plot first.svg -n 20
@@ -251,7 +251,7 @@ begin() {
     exec 4<&-
 }
 for signal in INT TERM HUP; do
-    # a shell has its background jobs ignore SIGINT, and what is ignored at its start stays so for a program
+    # a shell makes its background jobs ignore SIGINT, and a signal that is ignored at a program's start stays ignored
     begin -y -o signal.y4m -o signal.mp4
     kill -$signal $running
     ends 0
@@ -264,9 +264,9 @@ call 1 "unplugged" fake:unplug=30 -o unplug.y4m --stats unplug.csv --record unpl
 [ "$(rows unplug.csv)" = 30 ] && [ -s unplug.y4m ] && [ -s unplug/frames.mkv ] || fail "unplugging loses what was there"
 call 0 "opened again 1" fake:unplug=30 fake:back=1 --reopen 5 -n 90 --stats back.csv
 [ "$(rows back.csv)" = 90 ] || fail "--reopen: $(rows back.csv) frames"
-# while its controls are opened again nothing is known of its light
+# while its controls are being opened again its light is unknown
 for name in asked_exposure_s sensor sensor_reason camera_key scene_ev; do column $name back.csv >$name.column; done
-away=$(paste -d , ./*.column | grep '^,' | sort -u) # in the order of their names
+away=$(paste -d , ./*.column | grep '^,' | sort -u) # in alphabetical order
 [ "$away" = ",,,searching,waiting" ] || fail "--reopen: while there are no controls: $away"
 call 1 "32 x 24 pixels now" fake:unplug=30 fake:back=1 fake:again=32x24@25 --reopen 5 -o size.y4m -o size.mp4 --stats size.csv
 [ "$(rows size.csv)" = 30 ] && [ -s size.mp4 ] && [ -s size.y4m ] || fail "another size loses what was there"
@@ -293,7 +293,7 @@ if mount -t tmpfs -o size=64k tmpfs full 2>/dev/null; then
     umount full
 fi
 
-# the sixth write of controls hangs for five seconds: ten of the camera's pass, none of its frames is lost
+# the sixth write of controls hangs for five seconds: ten seconds of the camera pass, and no frame is lost
 call 0 "300 frames" fake:sleep=6,5 -n 300 --stats hang.csv
 [ "$(sum lost hang.csv)" = 0 ] || fail "a write that hangs loses $(sum lost hang.csv) frames"
 [ "$(last sensor_reason hang.csv)" = waiting ] || fail "a write that hangs: the sensor is $(last sensor_reason hang.csv), not waiting"
@@ -305,7 +305,7 @@ call 0 "60 frames" fake:real fake:light=0.0001@1 -n 60 --stats dark.csv
 [ "$(last sensor dark.csv) $(last sensor_reason dark.csv)" = "limited gain_max" ] ||
     fail "in the dark the sensor is $(last sensor dark.csv) by $(last sensor_reason dark.csv), not limited by gain_max"
 
-# a camera that is busy for a moment: the setting that it refused is asked for again, and what it was is put back
+# a camera that is busy for a moment: the refused setting is asked for again, and the original one is restored
 call 0 "refused by the camera: " fake:real fake:flat=600 fake:light=4@15 fake:refuse=6,6,16 -n 110 --stats busy.csv
 [ "$(last exposure_s busy.csv)" = "$(last asked_exposure_s busy.csv)" ] || fail "a refused exposure is not asked for again"
 within "$(last output_level busy.csv)" 0.165 0.195 || fail "after a refusal: shown at $(last output_level busy.csv)"
@@ -315,12 +315,12 @@ put_back "a camera that is busy at the end"
 call 0 "" --mode digital --shutter 1/100 --gain 2 fake:refuse=5,3,16 fake:real -n 30 --stats busy.csv -y
 within "$(last exposure_s busy.csv)" 0.00999 0.01001 || fail "--shutter that was refused at first: $(last exposure_s busy.csv)"
 
-# writes of a fifth of a second, while the delay that is believed is wrong by one frame: no step back
+# writes take a fifth of a second while the assumed delay is wrong by one frame: no step back
 call 0 "" fake:real fake:flat=600 fake:light=2@30 fake:write=0.2 -n 75 --stats slow.csv
 column asked_exposure_s slow.csv | awk 'NR > 30 && $1 > 1.1 * least { exit 1 } NR <= 30 || $1 < least { least = $1 }' ||
     fail "slow writes make it swing: $(column asked_exposure_s slow.csv | uniq | tr '\n' ' ')"
 
-# a fatal signal: the controls are put back before the end
+# a fatal signal: the controls are restored before the end
 {
     ("$program" fake:crash=20 -o crash-%d.y4m) >said.out 2>said.err
     got=$?
@@ -334,7 +334,7 @@ done
 left=$(find . -name '.crash*')
 [ -z "$left" ] || fail "a crash leaves $left"
 
-# a second Ctrl-C gives up what takes too long to complete
+# a second Ctrl-C discards outputs that take too long to complete
 mkdir bin
 cat >bin/gnuplot <<'PLOT'
 #!/bin/sh

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil run --control and pupil ctl, on a camera in the process (whose queue lasts 1.6 s): what can be changed without a lost
-# one; and hostile clients: long lines, half lines, floods, many of them, and other users.
+# pupil run --control and pupil ctl, on a camera in the process (whose queue lasts 1.6 s): what can be changed without a
+# lost frame; and hostile clients: long lines, partial lines, floods, many clients, and other users.
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
@@ -18,7 +18,7 @@ begin() {
     until_true "no socket: $(cat run.err)" test -S run.sock
     until_true "no frame" eval '"$pupil" ctl run.sock status | grep -q "\"frames\":[1-9]"'
 }
-# over: the run ends by Ctrl-C, with every frame
+# over: the run ends by Ctrl-C, with all frames
 over() {
     kill -INT $running
     wait $running || fail "the run: $(cat run.err)"
@@ -30,10 +30,10 @@ rows = list(csv.DictReader(open("s.csv")))
 assert rows and all(int(r["lost"]) == 0 and int(r["late"]) == 0 for r in rows), len(rows)
 END
 }
-# said WORDS ARGUMENTS...: what ctl answers, exit 0; says: exit 1
+# said WORDS ARGUMENTS...: words in the answer of ctl, exit 0; says: exit 1
 said() { words=$1; shift; "$pupil" ctl run.sock "$@" >ctl.out 2>ctl.err && grep -qF -- "$words" ctl.out || fail "ctl $*: $(cat ctl.out ctl.err)"; }
 says() { words=$1; shift; "$pupil" ctl run.sock "$@" >ctl.out 2>ctl.err && fail "ctl $* is taken"; grep -qF -- "$words" ctl.out ctl.err || fail "ctl $*: $(cat ctl.out ctl.err)"; }
-# is FIELD VALUE: of the status
+# is FIELD VALUE: a field of the status
 is() { "$pupil" ctl run.sock status | python3 -c "
 import json, sys
 got = json.loads(sys.stdin.readline())['$1']
@@ -70,7 +70,7 @@ printf 'status\nev 0.25\n\nbad\nlock off\n' | "$pupil" ctl run.sock >many.out 2>
 [ "$(wc -l <many.out) $(grep -c '"ok":true' many.out)" = "4 3" ] || fail "lines of standard input: $(cat many.out ctl.err)"
 python3 -c 'import json; [json.loads(l) for l in open("many.out")]' || fail "no JSON: $(cat many.out)"
 
-# lines that are blank, too long, end with a carriage return, or have a byte of 0
+# lines that are blank, too long, end with a carriage return, or contain a byte 0
 python3 -c 'print("#" + "x" * 1022 + "lock on")' | "$pupil" ctl run.sock >many.out 2>ctl.err
 [ "$(wc -l <many.out) $(grep -c "over 511 bytes" many.out)" = "1 1" ] || fail "a long line: $(cat many.out ctl.err)"
 is lock False
@@ -103,7 +103,7 @@ call 1 "must be a path of at most 107 bytes" --control "$(printf '%0120d' 0)" -n
 call 1 "no socket can be made there" --control no/such/run.sock -n 1 -d 0
 is ev 0.25
 
-# what is known to come
+# announced changes
 said '"set":"light","value":"+1,5"' light +1,5
 said '"ok":true' filter -0.5
 says "must be stops from -32 to 32" light ""
@@ -204,14 +204,14 @@ if [ "$(id -u)" = 0 ] && command -v setpriv >/dev/null; then # another user
     other="setpriv --reuid=65534 --regid=65534 --clear-groups"
     $other ./pupil ctl run.sock status >ctl.out 2>ctl.err && fail "another user is answered"
     grep -q "Permission denied" ctl.err || fail "another user: $(cat ctl.err)"
-    chmod 666 run.sock # though it was opened to all
+    chmod 666 run.sock # though it was opened to all users
     $other ./pupil ctl run.sock lock on >ctl.out 2>ctl.err && fail "another user is obeyed"
     grep -q "this run is another user's" ctl.out || fail "another user: $(cat ctl.out ctl.err)"
     is lock False
 fi
 over
 
-# the limits in a running stream, and from the command line: dark, so that the camera goes up to them
+# limits set in a running stream and on the command line; it is dark, so the camera goes up to them
 fakes=fake:light=0.01@5
 begin -d 0 --mode sensor
 fakes=
@@ -230,7 +230,7 @@ import json, sys
 assert json.loads(sys.stdin.readline())[\"gain\"] > 2.5" 2>/dev/null'
 over
 
-# one that hangs, with all places for those who wait taken
+# a run that hangs, with a full queue of waiting clients
 python3 - <<'END' &
 import socket, time
 s = socket.socket(socket.AF_UNIX)
@@ -250,7 +250,7 @@ kill -9 $running
 wait $running 2>/dev/null
 running=
 
-# in the folder that the service has for a camera's longest name, beyond what a socket's own path may have
+# in the service's folder for the longest camera name, which exceeds the limit of a socket's path
 long=$PWD/run/pupil/$(printf 'v4l-by\\x2dpath-platform\\x2dfd500000.pcie\\x2dpci\\x2d0000:01:00.0\\x2dusb\\x2d0:1.3.4.4:1.0\\x2dvideo\\x2dindex0')
 mkdir -p "$long"
 for round in killed over; do
@@ -266,7 +266,7 @@ done
 "$pupil" ctl "$long/none/control" status 2>ctl.err && fail "no folder"
 grep -q "its folder: No such file" ctl.err || fail "no folder: $(cat ctl.err)"
 
-# killed: the next run takes the socket that is left
+# killed: the next run takes over the leftover socket
 begin -d 0
 kill -9 $running
 wait $running 2>/dev/null

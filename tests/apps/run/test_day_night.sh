@@ -1,18 +1,18 @@
 #!/bin/sh
-# pupil run --day-night, on a camera in the process: a change where it is dark, or light, for long enough, and none where it
-# is so for a moment, or between the two. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil run --day-night, on a camera in the process: a change if it is dark or light for long enough; none if only for a
+# moment, or between the two. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
 
-# changes FILE.csv: each value of day_night and the frames that it holds
+# changes FILE.csv: each value of day_night and for how many frames it holds
 changes() {
     awk -F, '{ sub(/\r$/, "") } NR == 1 { for (i = 1; i <= NF; i++) if ($i == "day_night") n = i; next }
         $n != was { if (count) printf "%s %d ", was, count; was = $n; count = 0 } { count++ } END { print was, count }' "$1"
 }
 
-# The light of the scene is 3.9 EV (0.1465 / 10 ms) at first: night is below 0.19 of it, day above 0.55. Dusk with a moment
-# of darkness before it and one of light in it, then dawn.
+# The light of the scene is 3.9 EV (0.1465 / 10 ms) at first: night is below 0.19 of it, day above 0.55. Dusk, with a
+# moment of darkness before it and a moment of light in it, then dawn.
 lights=
 for light in 0.02@120 1@140 0.5@180 0.35@220 0.25@260 0.18@300 0.125@340 1@400 0.09@420 0.06@460 0.125@500 0.25@540 0.35@580 \
     0.5@620 0.7@660 1@700; do

@@ -1,7 +1,7 @@
 #!/bin/sh
-# test_killed.sh [KILLS]: pupil run with .mp4, .mkv and --record, killed at random moments. Each video has a name and
-# plays, but for runs that were killed in their first second; at most a second of what was recorded is missing in it; the
-# next run of the same output leaves nothing unfinished behind. With 200 kills: tests/apps/run/test_killed.sh 200.
+# test_killed.sh [KILLS]: pupil run with .mp4, .mkv and --record, killed at random moments. Except for runs killed in
+# their first second, each video has its name and plays; at most the recording's last second is missing; the next run of
+# the same output leaves nothing unfinished. With 200 kills: tests/apps/run/test_killed.sh 200.
 set -u
 kills=${1:-4}
 . "$(dirname "$0")/../../lib.sh"
@@ -9,7 +9,7 @@ use_fake_camera
 fps=30
 seed=${2:-$(date +%s)}
 
-# play FILE: how many frames it has when it is read, into $had
+# play FILE: sets $had to the number of frames that can be read
 play() {
     had=0
     if "${PUPIL_PROGRAM:?}" replay "$1" --stats frames.csv -q -y 2>said.err; then

@@ -1,13 +1,13 @@
 #!/bin/sh
-# pupil run --resume: the first frames of a run are as bright as the last ones of the run before, on a camera in the
-# process; what is kept is of that camera, written however the run ends, and no other file is touched. Needs
+# pupil run --resume: the first frames of a run are as bright as the last ones of the previous run, on a camera in the
+# process; the state is kept per camera, written no matter how the run ends, and no other file is touched. Needs
 # $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
 
-# run STATUS WORDS ARGUMENTS...: the exit status, and words that standard error must hold; a camera that is far too
-# bright as its user left it
+# run STATUS WORDS ARGUMENTS...: the exit status, and words in standard error; the camera is far too bright as its user
+# left it
 run() {
     status=$1 words=$2
     shift 2
@@ -32,7 +32,7 @@ first_sequence() {
 header="pupil run --resume 1: exposure x gain in seconds, driver, bus, card of each camera"
 line=$(printf 'fake\tfake:1\tFake Camera')
 
-# without, and the first time, when there is no file; a busy machine loses frames, and then it takes seconds
+# without --resume, and the first time, when there is no file; on a busy machine frames are lost and it takes seconds
 run 0 "" --mode sensor -n 40 --stats without.csv
 [ "$(off_key without.csv)" -ge 5 ] || fail "without --resume only $(off_key without.csv) of the first frames are off"
 run 0 "" --mode sensor -n 180 --stats first.csv --resume kept
@@ -40,9 +40,9 @@ said 0
 [ "$(off_key first.csv)" -ge 5 ] || fail "the first time only $(off_key first.csv) of the first frames are off"
 [ "$(head -n 1 kept)" = "$header" ] && [ "$(sed -n 2p kept | cut -f2-)" = "$line" ] && [ "$(wc -l <kept)" = 2 ] ||
     fail "kept: $(cat kept)"
-# 0.18 / (0.1465 x 12 / 0.01 s) within a tenth of a stop: where the light's jump falls into the frame in which a late
-# write comes into force, the loop takes the camera for a bent one, of whose total less of a tenth of a millisecond is
-# left to the digital factor
+# 0.18 / (0.1465 x 12 / 0.01 s) within a tenth of a stop: if the light jumps in the frame in which a late write comes
+# into force, the loop takes the camera for a nonlinear one, and the digital factor gets less of the rest below a tenth
+# of a millisecond
 sed -n 2p kept | awk '{ exit !($1 > 0.000955 && $1 < 0.001095) }' || fail "kept: $(cat kept)"
 
 # the second time
@@ -54,7 +54,7 @@ for mode in sensor both; do
     [ "$(wc -l <second.csv)" = 21 ] || fail "$mode: $(wc -l <second.csv) lines"
 done
 
-# another camera's is not used, and stays
+# another camera's setting is not used, and stays in the file
 printf '%s\n0.5\tfake\tfake:2\tFake Camera\n0.25\tuvcvideo\tusb-1\tOther\n' "$header" >other
 run 0 "" --mode sensor -n 90 --stats other.csv --resume other
 said 0
@@ -63,7 +63,7 @@ said 0
     [ "$(sed -n 4p other)" = "$(printf '0.25\tuvcvideo\tusb-1\tOther')" ] && [ "$(wc -l <other)" = 4 ] ||
     fail "other cameras: $(cat other)"
 
-# a file that is damaged: what is whole is used; one that is empty; one that is something else
+# a damaged file: undamaged lines are used; an empty file; a file of something else
 printf '%s\n0.00102\t%s\n0.5\tfa' "$header" "$line" >torn
 run 0 "torn: is damaged; what it says of this camera is used" --mode sensor -n 20 --stats torn.csv --resume torn
 said 1
@@ -74,14 +74,14 @@ for bad in nan 1e300 -1 0 x ''; do
     run 0 "torn: is damaged; it says nothing of this camera" --mode sensor -n 2 --resume torn
     said 1
 done
-# one without an end, which a link can lead to, too
+# an endless file, also behind a link
 printf '%s\n0.00102\t%s\n' "$header" "$line" >endless
 truncate -s 1T endless
 timeout -k 1 20 "$program" fake:real fake:flat=600 fake:light=12@1 --mode sensor -n 20 --stats endless.csv -q --resume endless \
     2>said.err </dev/null || fail "a file of a terabyte: exit $?: $(cat said.err)"
 grep -q "endless: is damaged; what it says of this camera is used" said.err || fail "a terabyte: $(cat said.err)"
 [ "$(off_key endless.csv)" = 0 ] && [ "$(wc -c <endless)" -lt 1000 ] || fail "a terabyte: $(wc -c <endless) bytes"
-# the tail of a line that is too long is no line
+# the tail of an overlong line is not a line
 { printf '%s\n0.00102\t%s\n' "$header" "$line" && printf "%687s" "" && printf '8.5\tfake\tfake:2\tFake Camera\n'; } >long
 run 0 "long: is damaged; what it says of this camera is used" --mode sensor -n 20 --resume long
 [ "$(wc -l <long)" = 2 ] || fail "a line that is too long: $(cut -c 1-80 long)"
@@ -100,7 +100,7 @@ run 1 "holiday.jpg: was not written by --resume" --resume holiday.jpg -o out.y4m
 said 1
 cmp -s holiday.jpg before.jpg || fail "another file is overwritten"
 
-# one that came back in another light, just before the end: what was right before it went is not kept for it
+# a camera that came back in other light, just before the end: its setting from before is not kept
 "$program" fake:delay=3 fake:flat=600 fake:unplug=60 fake:back=1 fake:light=16@61 --reopen 5 --mode both -n 63 -q \
     --resume returned 2>said.err || fail "a camera that came back: $(cat said.err)"
 [ ! -e returned ] || fail "kept of a camera that came back: $(cat returned)"
@@ -119,11 +119,11 @@ run 1 "--resume: " fake:no-controls --resume kept -o out.y4m
 [ ! -e out.y4m ] || fail "an output of a run that was refused"
 [ "$(wc -l <kept)" = 2 ] || fail "a run that was refused changes what is kept: $(cat kept)"
 
-# what is not at rest is not kept
+# a setting that is not at rest is not kept
 run 0 "" --mode sensor -n 3 --resume early
 [ ! -e early ] || fail "a run of three frames keeps $(cat early)"
 
-# however it ends
+# after every kind of end
 for signal in INT TERM; do
     rm -f lines kept there
     mkfifo lines
@@ -142,7 +142,7 @@ done
 run 1 "unplugged" fake:unplug=150 --resume unplugged
 [ "$(wc -l <unplugged)" = 2 ] || fail "unplugging does not keep it"
 
-# every minute of the camera's, which is as fast as its frames are looked at here
+# every minute of the camera's clock, which here runs as fast as frames are processed
 "$program" fake:flat=600 -n 100000000 -q --resume minute >said.out 2>said.err </dev/null &
 running=$!
 tries=0

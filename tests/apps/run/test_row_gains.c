@@ -1,5 +1,5 @@
-/* `pupil run --row-gains` on the fake camera under lamps: bands of a short exposure are taken out, by the light itself
- * and in what is shown; daylight gets none; what is not known is said; any number of threads shows the same.
+/* `pupil run --row-gains` on the fake camera under lamps: bands of a short exposure are removed, both in the light and
+ * in the picture; daylight gets none; unknown values are reported; any number of threads gives the same picture.
  */
 #include "run_rig.h"
 
@@ -27,7 +27,7 @@ static fake_v4l2_config camera(uint32_t fourcc, double modulation)
     return c;
 }
 
-/* From the brightest row to the darkest, EV, by the light; gains NULL: as the camera has it. */
+/* The difference of the brightest and the darkest row of light, EV; gains NULL: uncorrected. */
 static double bands(const live_run *r, const float *gain, double exposure_s)
 {
     const fake_v4l2_picture p = {.height = HEIGHT,
@@ -45,7 +45,7 @@ static double bands(const live_run *r, const float *gain, double exposure_s)
     return high - low;
 }
 
-/* The same in codes of what is shown, of the green of each row. */
+/* The same in codes of the picture, green of each row. */
 static double shown_bands(const live_run *r)
 {
     double low = 1e9, high = -1e9;
@@ -65,7 +65,7 @@ static const float *gains_of(const live_run *r, uint64_t with_before)
 }
 
 typedef struct watched {
-    double ev, codes, camera_ev; /* the worst frame's */
+    double ev, codes, camera_ev; /* of the worst frame */
 } watched;
 
 static watched watch(live_run *r, int frames, double exposure_s)
@@ -162,7 +162,7 @@ static void test_steps(void)
     end(&r);
 }
 
-/* Where there is nothing to be taken out, and where something is not known. */
+/* With nothing to remove, and with something unknown. */
 static void test_none(void)
 {
     fake_v4l2_config c = camera(V4L2_PIX_FMT_Y12, 0.0);
@@ -196,7 +196,7 @@ static void test_none(void)
     CHECK(r.lamps.with == 0 && tells(&r, "--mains"));
     end(&r);
 
-    ARGUMENTS("--row-gains", "--readout", "25", "--mains", "50"); /* the exposure is not known, and short */
+    ARGUMENTS("--row-gains", "--readout", "25", "--mains", "50"); /* the exposure is unknown, and short */
     begin_with(&r, RUN_DIGITAL, &c, 10, 16, 4.0);
     CHECK(!*r.remark.text);
     skip(&r, 60);
@@ -205,7 +205,7 @@ static void test_none(void)
     end(&r);
 }
 
-/* Rows that share a gain stay in one thread's hands. */
+/* Rows that share a gain stay in one thread. */
 static void test_threads(uint32_t fourcc)
 {
     const fake_v4l2_config c = camera(fourcc, 0.3);

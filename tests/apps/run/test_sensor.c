@@ -1,9 +1,9 @@
-/* What a live run does with a frame, on the fake camera, with every control written before the next frame begins: the
- * picture of --mode sensor is the camera's own; in --mode both a step of the sensor cannot be seen; the loop settles as
- * its controller promises. */
+/* A live run frame by frame on the fake camera, with every control written before the next frame begins: with --mode
+ * sensor the picture is the camera's own; with --mode both a step of the sensor is invisible; the loop settles as its
+ * controller promises. */
 #include "run_rig.h"
 
-enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* believed of a camera of which nothing is known */ };
+enum { WIDTH = 64, HEIGHT = 48, USUAL_DELAY = 3 /* assumed of an unknown camera */ };
 
 static uint32_t control_delay = USUAL_DELAY; /* of the fake camera */
 
@@ -21,7 +21,7 @@ static void begin(live_run *r, uint32_t mode, uint32_t fourcc, uint32_t flat, in
 
 /* --- the camera's own picture --- */
 
-/* The largest distance of the shown picture from the camera's, in codes. */
+/* The largest difference of the shown picture from the camera's, in codes. */
 static int distance(const live_run *r)
 {
     int most = 0;
@@ -49,7 +49,7 @@ static void test_own_picture(void)
     end(&r);
 }
 
-/* Y'CbCr as ITU-R BT.601 and BT.709 have it, to R'G'B' of eight bits. */
+/* Y'CbCr of ITU-R BT.601 and BT.709 to R'G'B' of eight bits. */
 static int code_of(double x)
 {
     return x <= 0.0 ? 0 : x >= 1.0 ? 255 : (int)(255.0 * x + 0.5);
@@ -79,7 +79,7 @@ static void ycc_at(const pupil_image_const *image, uint32_t x, uint32_t y, int y
     ycc[2] = image->pixel == PUPIL_PIXEL_NV12 ? pair[1] : pair[2];
 }
 
-/* A sensor loop that is at rest shows a camera's Y'CbCr as every player does. */
+/* At rest, a sensor loop shows a camera's Y'CbCr as every player does. */
 static void test_own_ycc(uint32_t fourcc, uint32_t encoding, uint32_t quantization, uint32_t transfer)
 {
     fake_v4l2_config config;
@@ -119,7 +119,7 @@ static void test_linear(void)
         live_run r;
         int most = 0;
         begin(&r, RUN_SENSOR, V4L2_PIX_FMT_RGB24, 0, exposures[k], 16, 3.0);
-        r.options.shown.config.lock = 1; /* the camera stays where it is */
+        r.options.shown.config.lock = 1; /* the camera's setting stays */
         step(&r);
         r.sensor.loop.setting.frame_digital = 0.7 + 0.3 * k;
         r.options.shown.config.lock = 1;
@@ -151,8 +151,8 @@ static void test_linear(void)
 
 /* --- both: hidden steps --- */
 
-/* The light is constant, the sensor starts far from its key: every frame shows the same code, for 12 bits of the
- * camera leave less than one code of 8. slow_ms: what is done with a frame takes so long, and frames wait. */
+/* The light is constant, the sensor starts far from its key: every frame shows the same code, because the camera's 12
+ * bits leave less than one code of 8 bits. slow_ms: processing time of a frame, so that frames wait. */
 static void test_hidden_steps(double light, int slow_ms)
 {
     const pupil_v4l2_system *system;
@@ -181,16 +181,16 @@ static void test_hidden_steps(double light, int slow_ms)
     end(&r);
 }
 
-/* log2 of what is shown of the frame, before its tone curve. */
+/* log2 of the shown frame, before its tone curve. */
 static double shown_ev(const live_run *r)
 {
     const uint16_t *row = (const uint16_t *)r->frame.image.data;
     return log2(row[10] / 4095.0 * (double)r->pipeline.curve.scale);
 }
 
-/* Of a camera of which nothing is known a delay of 3 is believed. The search for the first level shows the true one;
- * from then on frames say what they were taken with, and no step of the sensor can be seen: of exposure, and of gain,
- * too. Half a code of the darkest picture, 3 % of 4095, is 0.0055 EV, and between two frames there may be two such. */
+/* For an unknown camera a delay of 3 is assumed. The search for the first level shows the true one; from then on frames
+ * have the right metadata, and no step of the sensor's exposure or gain is visible. Half a code of the darkest picture,
+ * 3 % of 4095, is 0.0055 EV, and between two frames there may be two such. */
 static void test_learned(uint32_t true_delay, int slow_ms)
 {
     static const double ev[] = {-2.0, 1.0, -1.0, 2.0, -2.5, 1.5, 0.0};
@@ -225,7 +225,7 @@ static void test_learned(uint32_t true_delay, int slow_ms)
     CHECK_MSG(limits.exposure_delay == true_delay, "delay %u: learned %u", true_delay, limits.exposure_delay);
     CHECK_MSG(limits.gain_delay == true_delay, "delay %u: learned %u of gain", true_delay, limits.gain_delay);
     CHECK_MSG(settings >= 9 && gains >= 5, "delay %u: %d settings, %d of gain", true_delay, settings, gains);
-    /* where frames wait in a queue the delay is longer than any that was believed, and is not always found */
+    /* if frames wait in a queue the delay exceeds any that was assumed, and is not always found */
     CHECK_MSG(slow_ms || worst < 0.012, "delay %u: a step of the sensor shows by %g EV", true_delay, worst);
     printf("delay %u, 3 believed: while it was learned a step showed by %.4f EV, then by %.4f EV\n", true_delay,
            worst_before, worst);
@@ -234,8 +234,8 @@ static void test_learned(uint32_t true_delay, int slow_ms)
 
 /* --- the loop --- */
 
-/* Within 0.1 EV of the key, by pupil's digital factor exactly at it: after a change of light that does not clip, as
- * many frames as the camera's delay, one more for the frame that is measured, and what rounding asks for once more. */
+/* Within 0.1 EV of the key; pupil's digital factor makes it exact. After a change of light that does not clip this
+ * takes the camera's delay, one more frame that is measured, and what rounding asks for once more. */
 static void test_settles(double change)
 {
     live_run r;
@@ -248,7 +248,7 @@ static void test_settles(double change)
     for (; frames < 60; frames++) {
         step(&r);
         const double mean = r.record.scene_ev + log2(r.record.exposure_s * r.record.gain);
-        if (frames && fabs(mean - log2(0.18)) < 0.1 + 0.02) /* and a step of its gain, 1/16 of at least 4 */
+        if (frames && fabs(mean - log2(0.18)) < 0.1 + 0.02) /* plus one step of its gain, 1/16 of at least 4 */
             break;
     }
     CHECK_MSG(frames <= 8, "a change by %g: %d frames", change, frames);
@@ -275,7 +275,7 @@ static void test_by_hand(uint32_t mode)
     end(&r);
 }
 
-/* Keys of a window change the settings while it runs. */
+/* Keys in a window change the settings during the run. */
 static void test_keys(void)
 {
     live_run r;

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil run with two cameras in the process of each: one exposure through a step of light, within what both can; each with its
-# own outputs; a lost one ends alone. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil run with two cameras, each in its own process: one exposure through a step of light, within the limits of both;
+# each has its own outputs; a lost one ends alone. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
@@ -14,9 +14,9 @@ two() {
     call "$status" "$words" fake:real fake:fps=20 fake:size=64x48 fake:flat=600 fake:other-light=2 "$@" -d /dev/video0 \
         -d /dev/video9 --camera-ev 1 --stats s%i.csv
 }
-# alike FROM TO FIELD EV [FRAMES]: in these frames, by sequence, the two are so many stops apart, within 0.05; shown: exposure x
-# gain x the factor of the picture. On a machine that does other work, too, a camera's process may write a setting a frame
-# later than the other one does; FRAMES: through a step of light, one may be so many frames behind
+# alike FROM TO FIELD EV [FRAMES]: in these frames, by sequence, the two are so many stops apart, within 0.05; shown:
+# exposure x gain x the factor of the picture. On a busy machine one camera's process may write a setting a frame later
+# than the other; FRAMES: in a step of light, one may be so many frames behind
 alike() {
     python3 - "$@" <<'END' || fail "$*"
 import csv, math, sys
@@ -54,11 +54,11 @@ alike 10 98 shown 1 1
 alike 75 98 output_level 0
 alike 75 98 scale 0
 
-# what both can: the second has a gain of two at most, and it is dark
+# within the limits of both: the second has a gain of two at most, and it is dark
 two 0 "" fake:light=0.05@1 fake:other-gain=32 --mode sensor -n 60
 alike 40 58 shown 1
 
-# lost: one sentence, its output is complete, and the other one is there to the end
+# lost: one sentence, its output is complete, and the other camera runs to the end
 two 1 "unplugged" fake:light=8@50 fake:other-unplug=40 --mode sensor -n 100
 [ "$(grep -c "^pupil run: " said.err)" = 1 ] || fail "lost: $(cat said.err)"
 rows s0.csv 101
@@ -69,7 +69,7 @@ rows s0.csv 41
 rows s1.csv 111
 tail -n 1 s1.csv | grep -q ",converged," || fail "the second does not lead: $(tail -n 1 s1.csv)"
 
-# a signal to the first process alone ends both
+# a signal to only the first process ends both
 "$program" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 -d /dev/video0 -d /dev/video9 --stats e%i.jsonl -q 2>said.err </dev/null &
 running=$!
 sleep 2
@@ -79,8 +79,8 @@ running=
 [ -s e0.jsonl ] && [ -s e1.jsonl ] || fail "SIGTERM: no outputs"
 restored
 
-# killed, with threads, each of whose ends is told to the cameras' processes; and a manager's SIGTERM comes with it: the
-# outputs are complete
+# killed, with threads, each of whose ends is signalled to the cameras' processes; also together with a manager's
+# SIGTERM: the outputs are complete
 for with in "" TERM; do
     "$program" fake:real fake:fps=20 fake:size=64x48 fake:other-light=1 fake:threads -d /dev/video0 -d /dev/video9 \
         --stats k%i.csv -o k%i.y4m -y -q 2>said.err </dev/null &

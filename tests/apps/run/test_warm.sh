@@ -1,12 +1,12 @@
 #!/bin/sh
-# pupil run begins with the exposure of this camera's last run, without an option: where it is kept, that no fault of that
-# place ends a run, and how many frames it saves. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
+# pupil run begins with the exposure of this camera's last run, without an option: where it is kept, that no fault there
+# ends a run, and how many frames it saves. Needs $PUPIL_RUN_FAKE (tests/apps/run_fake.c).
 set -u
 . "$(dirname "$0")/../../lib.sh"
 use_fake_camera
 unset STATE_DIRECTORY XDG_STATE_HOME
 
-# run ARGUMENTS...: a camera that is far too bright as its user left it
+# run ARGUMENTS...: the camera is far too bright as its user left it
 run() { call 0 "" fake:flat=600 fake:light=12@1 --mode sensor "$@"; }
 # off_key FILE.csv: how many of its frames are not at the key of 0.18
 off_key() {
@@ -30,7 +30,7 @@ call 2 "--resume and --no-resume: one of them" --resume file --no-resume
 call 0 "" fake:flat=600 --mode digital -n 5
 warm && fail "digital is warm"
 
-# the other places, the first that is named
+# the other places: the first that is set
 export XDG_STATE_HOME="$room/state"
 run -n 90
 [ -f state/pupil/cameras ] && ! warm || fail "XDG_STATE_HOME: $(find . | tr '\n' ' ')"
@@ -45,7 +45,7 @@ XDG_STATE_HOME=relative HOME= run -n 90 --stats none.csv
 XDG_STATE_HOME=/dev/null run -n 5
 [ "$(wc -l <said.err)" = 3 ] || fail "no folder: $(cat said.err)"
 
-# what does not fit, is damaged, or is something else
+# a setting that does not fit, a damaged file, a file of something else
 printf '%s\n9000\tfake\tfake:1\tFake Camera\n' "$(head -n 1 state/pupil/cameras)" >state/pupil/cameras
 call 0 "cameras: 9e+03 s of exposure time x gain is none that this camera has; it is not used" fake:flat=600 -n 90
 warm && fail "9000 s fit"

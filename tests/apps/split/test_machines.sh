@@ -1,13 +1,13 @@
 #!/bin/sh
 # docs/examples/machines with GNU parallel and Snakemake: 12 clips and a long one, with workers that are killed in the
-# middle, and a run that is killed as a whole and started again: the pictures and levels of one pupil replay each. Needs
+# middle, and a whole run that is killed and restarted: the same pictures and levels as one pupil replay each. Needs
 # $PUPIL_PROGRAM.
 examples=$(cd "$(dirname "$0")/../../../docs/examples/machines" && pwd)
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
 needs ffmpeg parallel snakemake
 
-# Every third call is killed after a moment, but no work twice: how often it is tried again has an end.
+# Every third call is killed after a moment, but no work twice, because retries are limited.
 cat >flaky <<END
 #!/bin/sh
 calls=\$((\$(cat "$room/calls" 2>/dev/null || echo 0) + 1))
@@ -48,7 +48,7 @@ while [ $i -lt 12 ]; do
 done
 [ -s kills ] || fail "no worker was killed"
 
-# Names are never commands. A folder is of one input and its settings. No range is without frames.
+# Names are never run as commands. A folder belongs to one input and its settings. No range is without frames.
 export PUPIL="$program"
 for name in "x'; touch PWNED; '" "it's {1} \$(touch PWNED)" -dash; do
     cp clip0.mkv "./$name.mkv"

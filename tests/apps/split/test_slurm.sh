@@ -1,7 +1,7 @@
 #!/bin/sh
-# docs/examples/machines/slurm.sh on a Slurm of one node that runs for this test alone, with its own key, ports and
-# folders: the pictures of one pupil replay, also where a task is killed in the middle and the whole is submitted again.
-# As root, as Slurm's daemons want it. Needs $PUPIL_PROGRAM.
+# docs/examples/machines/slurm.sh on a one-node Slurm that runs only for this test, with its own key, ports and folders:
+# the pictures of one pupil replay, also if a task is killed in the middle and everything is submitted again. Runs as
+# root, as Slurm's daemons require. Needs $PUPIL_PROGRAM.
 examples=$(cd "$(dirname "$0")/../../../docs/examples/machines" && pwd)
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
@@ -54,7 +54,7 @@ until sinfo -h -o %T 2>/dev/null | grep -q idle; do
     sleep 0.5
 done
 
-# wait_for JOB: until it is no more in the queue
+# wait_for JOB: until it has left the queue
 wait_for() {
     tries=0
     while [ -n "$(squeue -h -j "$1" 2>/dev/null)" ]; do
@@ -80,7 +80,8 @@ grep -q "is of another input or other settings" said || fail "other ranges: $(ca
 sh "$examples/slurm.sh" "it's; 100%.mkv" 300 -1 bad >said 2>&1 && fail "-1 ranges: not refused"
 grep -q "RANGES must be" said || fail "-1 ranges: $(cat said)"
 
-# A task that is killed leaves nothing half; what depends on it never starts, and the next submission goes on from there.
+# A killed task leaves nothing unfinished; jobs that depend on it never start, and the next submission continues from
+# there.
 cat >once <<END
 #!/bin/sh
 [ -e "$room/killed" ] || case "\$*" in *" meter "*|"meter "*100..*)

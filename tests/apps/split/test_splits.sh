@@ -1,7 +1,7 @@
 #!/bin/sh
-# pupil meter, adapt and map: the pictures and levels of one pupil replay, however an input is split: in 1, 2, 7 and 64
-# ranges, of a video, of stills, and of floats in an odd unit. Parts that are missing, doubled, foreign or damaged are
-# named. Needs $PUPIL_PROGRAM.
+# pupil meter, adapt and map: the pictures and levels of one pupil replay, regardless of how an input is split: in 1, 2,
+# 7 and 64 ranges, of a video, of stills, and of floats in an odd unit. Parts that are missing, duplicate, foreign or
+# damaged are named. Needs $PUPIL_PROGRAM.
 . "$(dirname "$0")/../../lib.sh"
 use_pupil
 needs ffmpeg python3
@@ -18,14 +18,14 @@ for line in open(sys.argv[1]):
 END
 }
 
-# frames FILE...: what is behind the headers of Y4M files
+# frames FILE...: the contents of Y4M files after their headers
 frames() {
     for one in "$@"; do
         tail -n +2 "$one"
     done
 }
 
-# split NAME FRAMES RANGES ARGUMENTS...: the input in so many ranges, its options behind
+# split NAME FRAMES RANGES ARGUMENTS...: splits the input into so many ranges; its options follow
 split() {
     name=$1 total=$2 ranges=$3
     shift 3
@@ -44,7 +44,7 @@ split() {
         echo "$range" >"parts/$(printf %02d $i).range"
         i=$((i + 1))
     done
-    # In no order.
+    # In reverse order.
     call 0 "" adapt $(ls -r parts/*.part) -o parts/curves --stats parts/levels.jsonl -q
     for range in parts/*.range; do
         call 0 "" map $inputs --curves parts/curves --range "$(cat "$range")" -o "${range%.range}.y4m" -q $map_options
@@ -54,7 +54,7 @@ split() {
     frames parts/*.y4m | cmp -s - "$name.frames" || fail "$name in $ranges: other pictures"
 }
 
-# whole NAME ARGUMENTS...: what one replay makes of it
+# whole NAME ARGUMENTS...: the result of one replay
 whole() {
     name=$1
     shift
@@ -63,7 +63,7 @@ whole() {
     frames "$name.y4m" >"$name.frames"
 }
 
-# Not of pure colours, which would be taken for noise.
+# Not pure colours, which would be taken for noise.
 ffmpeg -loglevel error -f lavfi -i "testsrc2=size=96x54:rate=30:duration=1.5,hue=s=0.2,
     eq=contrast=0.6:brightness='if(between(t,0.5,1),0.25,0.05)':eval=frame" -pix_fmt yuv420p -c:v ffv1 clip.mkv
 python3 - <<'END'
@@ -87,7 +87,7 @@ for ranges in 2 7; do
     split stills 20 $ranges still_*.pfm --fps 12 --tau-light 0.1
 done
 
-# Settings that act on metering, and on what is gathered.
+# Settings that affect metering and the statistics.
 for options in "--metering spot --formula 2" "--white none --highlights 0" "--tone adjust --fused" "--eye 100"; do
     whole other clip.mkv $options
     inputs=clip.mkv map_options=
@@ -112,7 +112,7 @@ split odd "$frames_there" 1 odd.mkv
 [ "$(head -n 1 parts/00.y4m)" = "$(head -n 1 odd.y4m)" ] || fail "another header: $(head -n 1 parts/00.y4m)"
 head -n 1 odd.y4m | grep -q A4:3 || fail "pixels of $(head -n 1 odd.y4m)"
 
-# --- what is wrong is named ---
+# --- errors are named ---
 call 0 "" meter clip.mkv --range 0..15 -o a.part -q
 call 0 "" meter clip.mkv --range 15..30 -o b.part -q
 call 0 "" meter clip.mkv --range 30.. -o c.part -q
@@ -135,7 +135,7 @@ head -c 9000 b.part >short.part
 expect 1 "short.part: is damaged" adapt a.part short.part c.part -o x -q
 python3 -c 'b = bytearray(open("b.part", "rb").read()); b[-200] ^= 4; open("flipped.part", "wb").write(b)'
 expect 1 "flipped.part: is damaged" adapt a.part flipped.part c.part -o x -q
-# Of the header, too; and of curves before any of them is used.
+# Also in the header; and in curves, before any of them is used.
 for at in 48 704 780; do
     python3 -c "b = bytearray(open('b.part', 'rb').read()); b[$at] ^= 1; open('flipped.part', 'wb').write(b)"
     expect 1 "flipped.part: is damaged" adapt a.part flipped.part c.part -o x -q
@@ -145,7 +145,7 @@ expect 1 "flipped.curves: is damaged" map clip.mkv --curves flipped.curves --ran
 call 0 "" meter clip.mkv --range 15..30 --ev -2 -o darker.part -q
 expect 1 "darker.part: was metered with other settings than a.part" adapt a.part darker.part c.part -o x -q
 
-# An input is known by what is in it, and not by its folder.
+# An input is identified by its contents, not by its folder.
 mkdir -p elsewhere
 cp clip.mkv elsewhere/
 call 0 "" map elsewhere/clip.mkv --curves curves --range 0..15 -o elsewhere.y4m -q
@@ -160,7 +160,7 @@ cp still_12.pfm still_05.pfm
 expect 1 "frame 5, still_05.pfm, is not the picture that was metered" map still_*.pfm --curves stills.curves -o x.mkv -q
 mv still_05.kept still_05.pfm
 
-# Nothing replaces what it is made of.
+# No output replaces its own input.
 cp clip.mkv own.mkv
 expect 2 "own.mkv: is also an input" meter own.mkv -o own.mkv -q -y
 expect 2 "a.part: is also an input" adapt a.part b.part c.part -o a.part -q -y
@@ -177,7 +177,7 @@ expect 2 "-: standard input cannot be read in parts" meter - -o x -q
 expect 1 "a.part" meter clip.mkv -o a.part -q
 absent x x.mkv x.jsonl
 
-# Killed in the middle: nothing half is there, and the worker's range is run again.
+# Killed in the middle: nothing is unfinished, and the worker's range is run again.
 "$program" meter clip.mkv --range 15..30 -o killed.part -q &
 running=$!
 kill -9 $running 2>/dev/null

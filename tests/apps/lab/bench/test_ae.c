@@ -1,5 +1,5 @@
 /* pupil bench ae --json: every line is an object with its fields, the filters keep what they name, and pupil keeps the
- * limits of settling and overshoot, which are those that docs/sim.md has. */
+ * limits of settling and overshoot of docs/sim.md. */
 #include <cjson/cJSON.h>
 #include <math.h>
 
@@ -22,7 +22,7 @@ static void text(const cJSON *object, const char *name, char *into, size_t bytes
     snprintf(into, bytes, "%s", found ? found : "");
 }
 
-/* NAN where it is null, and may be. */
+/* NAN if it is null and may be. */
 static double number(const cJSON *object, const char *name, int may_be_null)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
@@ -51,7 +51,7 @@ static row row_of(const cJSON *object)
     return r;
 }
 
-/* The lines of a run into rows. */
+/* Reads the lines of a run into rows. */
 static void run(const char *arguments)
 {
     char command[400], line[1024];
@@ -70,7 +70,7 @@ static void run(const char *arguments)
     CHECK(from && pclose(from) == 0 && count > 0 && count < MOST_ROWS);
 }
 
-/* Four laws, four delays, six steps and two starts, each with and without looking whether it is a strobe. */
+/* Four laws, four delays, six steps and two starts, each with and without the check for a strobe. */
 static void check_settling(void)
 {
     run("--ae --test settle --controller pupil");
@@ -94,8 +94,7 @@ static void check_settling(void)
     }
 }
 
-/* Without a filter of the controller there is a row of each law for every row of pupil; one that never settles has
- * null. */
+/* Without a filter on the controller each row of pupil has one of every law; a law that never settles has null. */
 static void check_filters(void)
 {
     static const char *const laws[] = {"pupil",          "rpi",        "libipa", "softisp", "openpilot",

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pupil bench gles: what it prints at a small size, that its errors are within what gpu.md allows, what is refused,
-# Ctrl-C. No time is judged. Needs an OpenGL ES driver, a software one will do.
+# pupil bench gles: what it prints at a small size, that its errors are within the limits of gpu.md, what is refused,
+# Ctrl-C. Times are not checked. Needs an OpenGL ES driver; software is enough.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -17,7 +17,7 @@ for format in rgba32f rgba16f nv12 bayer10; do
     done
 done
 grep -q 'nan\|inf' lines.txt && fail "a number that is none: $(cat lines.txt)"
-# what is mapped and metered is what the CPU has: 1e-5, one code, one sample of 10,000 (of 6144: none)
+# mapping and metering agree with the CPU: within 1e-5, one code, one sample of 10,000 (of 6144: none)
 [ "$(grep -c '"log_average_error":' lines.txt)" = 8 ] && [ "$(grep -c '"code_max":' lines.txt)" = 8 ] ||
     fail "errors are missing: $(cat lines.txt)"
 sed -n 's/.*"log_average_error":\([^,}]*\).*/\1/p' lines.txt | awk '!($1 < 1e-5) { exit 1 }' || fail "log-averages"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # pupil bench kernels: what it prints, that every level has the same errors, peers, worst case, plot, what is refused,
-# Ctrl-C. No time is judged.
+# Ctrl-C. Times are not checked.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -13,8 +13,8 @@ fields() {
         [ "$(grep -c "\"$field\":" "$file")" = "$(wc -l <"$file")" ] || fail "a line without $field: $(cat "$file")"
     done
 }
-# measure FORMAT SIZE ERROR_EV OFF ARGUMENTS...: every kernel has its line, and every line its fields; the bits are the
-# same on every level, and so the errors are: one set of figures, none above ERROR_EV (stops), one code, OFF (share).
+# measure FORMAT SIZE ERROR_EV OFF ARGUMENTS...: every kernel has its line, and every line its fields. The bits are the
+# same on every CPU level, so there is one set of errors, none above ERROR_EV (stops), one code, OFF (share).
 measure() {
     format=$1 size=$2 error_ev=$3 off=$4
     shift 4
@@ -46,15 +46,15 @@ for format in rgba32f rgba16f rgb16 rgb8 grey12; do
     measure $format 67x33 1e-7 1e-4
     mapped_to rgba8
 done
-# light interpolated between codes, within 7e-6 of the curve (coding.h): 1e-4 stops where the light is 0.1, the easy
-# frame's mean
+# light is interpolated between codes, within 7e-6 of the curve (coding.h): 1e-4 stops at light 0.1, the easy frame's
+# mean
 for format in yuyv nv12; do
     measure $format 67x33 1e-4 2e-3
 done
 for format in bayer8 bayer14 bayer10p; do
     measure $format 68x34 1e-6 1e-4
 done
-# light interpolated between points without an error in the mean (make_tables.py); 2e-7 is that of few pixels
+# light is interpolated between points without an error in the mean (make_tables.py); 2e-7 comes from so few pixels
 measure p010 67x33 2e-7 2e-3 --light pq
 measure i420-10 67x33 2e-7 2e-3 --light hlg
 measure i444-16 67x33 2e-7 2e-3 --light pq
@@ -69,14 +69,14 @@ for out in i420 rgb16f; do
     measure rgba32f 67x33 1e-7 1e-4 --out $out
     mapped_to $out
 done
-# of all formats those that can have the output
+# of all formats, those that can be mapped to this output
 "$program" bench kernels --out half --size 16x8 --rounds 1 --json >lines.txt
 [ "$(grep -o '"format":"[a-z0-9]*"' lines.txt | sort -u | wc -l)" = 7 ] || fail "not the mosaics: $(cat lines.txt)"
 "$program" bench kernels --format rgba32f --size 64x64 --rounds 3 --threads 2 >table.txt
 grep -q "64x64, 2 threads, cold" table.txt || fail "no headline: $(cat table.txt)"
 [ "$(grep -c "^rgba32f" table.txt)" -ge 5 ] || fail "no rows: $(cat table.txt)"
 
-# beside others: each is measured, or says why not
+# other programs: each is measured, or the reason is given
 "$program" bench kernels --peers --size 64x64 --rounds 2 --json >peers.txt 2>said.err
 fields peers.txt kernel level format out width height threads cold ns_per_px bytes_per_px ratio_read ratio_memcpy \
     mean_code ratio_fused_scalar ratio_exact_scalar
@@ -86,11 +86,11 @@ done
 for peer in opencv ffmpeg ffmpeg-min libplacebo; do
     grep -q "\"kernel\":\"$peer\"" peers.txt || grep -q "^pupil bench: $peer: .*[a-z]" said.err ||
         fail "neither $peer nor why: $(cat said.err)"
-    # whoever came has a picture that is neither black nor white
+    # each one measured has a picture that is neither black nor white
     grep "\"kernel\":\"$peer\"" peers.txt | sed 's/.*"mean_code":\([^,]*\),.*/\1/' |
         awk '!($1 > 10 && $1 < 245) { exit 1 }' || fail "$peer has no picture: $(cat peers.txt)"
 done
-# pupil's picture and the plain loop's are the same, but for what pupil does about gamut
+# pupil's picture and the plain loop's are the same, except for pupil's gamut handling
 grep -E '"kernel":"(fused|plain)"' peers.txt | sed 's/.*"mean_code":\([^,]*\),.*/\1/' |
     awk 'NR == 1 { low = high = $1 } { low = $1 < low ? $1 : low; high = $1 > high ? $1 : high }
         END { exit !(high - low < 1) }' || fail "pictures differ: $(cat peers.txt)"
@@ -104,11 +104,11 @@ for frame in ordinary hard dark denormal nan-inf saturated default default-s fre
     grep -q "\"frame\":\"$frame\"" worst.txt || fail "no $frame: $(cat worst.txt)"
     grep -q "^$frame " worst_table.txt || fail "no $frame: $(cat worst_table.txt)"
 done
-# no time is below the one before it
+# times rise from median to maximum
 sed 's/.*"median_us":\([^,]*\),"p99_us":\([^,]*\),"p999_us":\([^,]*\),"max_us":\([^,]*\),.*/\1 \2 \3 \4/' worst.txt |
     awk '!($1 > 0 && $1 <= $2 && $2 <= $3 && $3 <= $4) { exit 1 }' || fail "not in order: $(cat worst.txt)"
 
-# row gains: every format has its line, whose frames have a wave that is found and taken out
+# row correction gains: every format has its line; its frames have a wave that is found and removed
 "$program" bench kernels --row-gains --size 64x64 --rounds 1 --warm --json >lamps.txt 2>noise.txt
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 fields lamps.txt level format out width height threads cold strength meter_ns_per_px map_ns_per_px frame_ns_per_px \
@@ -131,15 +131,16 @@ if command -v gnuplot >/dev/null; then
         grep -q "^$name  " choices.txt || fail "not measured: $name: $(cat choices.txt)"
         grep -qF ">$name<" plot.svg || fail "not named: $name"
     done
-    # an encoder that calls itself exact is; an approximation is one code off at most, and is one
+    # encoders called exact are exact; approximations are off, by one code at most
     awk '/^(cells|quartic \+ cells) / && !($(NF - 1) == 0 && $NF == 0) { exit 1 }
         /^(8192|104|cubic|quartic  )/ && !($(NF - 1) > 0 && $NF == 1) { exit 1 }' choices.txt ||
         fail "errors of the encoders: $(cat choices.txt)"
-    # by luma codes are off, by less than one in the mean; what is exact is off by one at most, in one of a thousand
+    # by luma, codes are off by less than one on average; exact mapping is off by at most one, in one of a thousand
     awk '/^luma|^to NV12, luma/ { seen++; wrong += !($(NF - 1) > 0.01 && $(NF - 1) < 1) }
         !/luma/ && /(NV12|10-bit mosaic), a whole frame/ { seen++; wrong += !($(NF - 1) < 0.001 && $NF <= 1) }
         END { exit wrong || seen != 9 }' choices.txt || fail "frames of cameras: $(cat choices.txt)"
-    # fewer rows see less, of stripes above all; but some of them in every frame (a fixed choice would be 3.5 off)
+    # fewer rows give larger errors, above all with stripes; but every frame meters some of each (a fixed choice would
+    # be 3.5 off)
     awk '/^every row/ { ok = $(NF - 1) == 0 }
         /^1.8 of the rows  / { natural = $(NF - 1) }
         /^1.8 of the rows, striped/ { exit !(ok && natural > 0 && $(NF - 1) > natural && $(NF - 1) < 3) }' choices.txt ||

@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil render --layers: the channels of the files, that the light in them is the frame's, what is refused.
+# pupil render --layers: the files' channels, that their light is the frame's, what is refused.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -25,10 +25,10 @@ expect 0 "rendered 1 frame in" render small.scene --layers depth,normal,albedo -
 "$program" render small.scene -q --layers ssao -o b.exr
 "$program" render small.scene -q --layers occlusion,ssao -o c.exr
 [ "$(channels b.exr)" = "$(printf '%s\n' B G R ssao.Y | sort | tr '\n' ' ')" ] || fail "channels: $(channels b.exr)"
-# header and offsets aside, a plane of floats a channel
+# besides header and offsets, one plane of floats per channel
 [ $(($(wc -c <c.exr) - $(wc -c <b.exr))) -lt $((33 * 24 * 4 + 64)) ] || fail "sizes: $(wc -c b.exr c.exr)"
 
-# the light is that of a frame without layers, as readers of EXR see it
+# for an EXR reader the light is that of a frame without layers
 "$program" render small.scene -q -o light.exr
 "$program" replay light.exr -q -o light.png
 "$program" replay a.exr -q -o a.png

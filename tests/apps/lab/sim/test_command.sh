@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil sim and pupil bench ae: what they print and write, the same again, what is refused with which words.
+# pupil sim and pupil bench ae: what they print and write, that it repeats, what is refused with which words.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -26,7 +26,7 @@ echo '2s step +3ev # a line
 "$program" sim --light @light.txt --stats - >again.jsonl
 cmp run.jsonl again.jsonl || fail "a script from a file is another one"
 
-# cameras that are what they are told to be
+# cameras behave as configured
 "$program" sim -c delay=1/4,law=third,drop=20%,bits=10 --duration 4 --stats some.jsonl --json >said.out
 grep -q '^{"controller":"pupil","frames":120,.*"swings":0}$' said.out || fail "summary: $(cat said.out)"
 grep -q '"dropped":[1-9]' some.jsonl || fail "no frame dropped"
@@ -39,7 +39,7 @@ grep -q '"swings":0}' said.out || fail "the room: $(cat said.out)"
 "$program" sim --mains 50 -l '0s -3ev; lamp 50Hz 30%' --stats - >lamp.jsonl
 tail -1 lamp.jsonl | grep -q '"band_ev":0.0[01]' || fail "bands with the mains told: $(tail -1 lamp.jsonl)"
 
-# a key by the light: as soon settled as with one, at its own level
+# a key by the light settles as fast as a fixed one, at its own level
 "$program" sim --key-at -1:0.05,5.5:0.18 --light '2s step -4ev' --json >said.out
 grep -q '"settle_frames":5,"overshoot_ev":0.0000[0-9]*,"aim_ev":-\?0.00' said.out || fail "--key-at: $(cat said.out)"
 
@@ -51,14 +51,14 @@ longest=100.803384ms,gain=14.1996488,law=third,delay=1/4,size=16x32,black=256,\
 noise=0.0094574355ev,scene=flat:2.11358,light=-0.743566161ev,off=1" \
     --light "0s -1.856ev; 1.0080s 2.064ev; 3.0241s 4.026ev; 6.8546s ramp -0.5122ev/s 3.7297s; 10.5844s 2.116ev; 11.1892s -0.330ev" >again.txt ||
     fail "$(grep verdict again.txt)"
-# Only one control moves, and its delay is known: the filter is as quick as with both.
+# Only one control moves, and its delay is known: the filter is as fast as with both.
 "$program" sim -q --check --delay 4 \
     --camera "seed=18492,fps=13.3505848,readout=38.641058ms,line=22.8069968us,shortest=68.4209905us,\
 longest=74.9030857ms,gain=36.4075736,law=sixteenth,delay=2/4,size=16x32,black=256,\
 curve=gamma:0.951846,scene=window:1.86951,light=10.466174ev,black_off=-23.1950731%" \
     --light "0s -2.689ev; 2.0973s -24.000ev; 3.8950s -9.911ev; 5.9173s -9.714ev; 7.6401s -9.911ev" >again.txt ||
     fail "$(grep verdict again.txt)"
-# A search rests below the brightest setting, and the aim is out of reach: the last gain is asked for.
+# A search stopped below the brightest setting, and the aim is out of reach: the last gain is asked for.
 "$program" sim -q --check --delay 4 \
     --camera "seed=7342,fps=52.8761191,readout=14.49363ms,line=15.5348963us,shortest=31.0697925us,\
 longest=39.8859335ms,gain=25.397245,delay=2/4,size=16x32,bits=8,\
@@ -102,14 +102,14 @@ if command -v python3 >/dev/null; then
         fail "random as JSON: $(cat many.json)"
 fi
 
-# a loop that ends wrong, where this is asked for; and light of which nothing can be said
+# a loop that ends wrong, if that is asked for; and light that allows no verdict
 "$program" sim --light '2s step 3ev' --check >said.out || fail "--check: $(cat said.out)"
 grep -q "^verdict  *right: shown" said.out || fail "--check: $(cat said.out)"
 "$program" sim --light '2s 14ev' --check >said.out || fail "--check out of reach: $(cat said.out)"
 grep -q "^verdict  *right, but the aim is darker than the camera can" said.out || fail "out of reach: $(cat said.out)"
 "$program" sim --controller integrator1 >said.out || fail "a loop that ends wrong, without --check"
 expect 1 "the loop ends wrong: shown" sim --controller integrator1 --check
-expect 0 "" sim --camera fps=5,drop=20% --check # it runs long enough to tell
+expect 0 "" sim --camera fps=5,drop=20% --check # long enough for a verdict
 expect 1 "the light is not still for long enough" sim --light 'lamp 50Hz 30%' --check
 
 # the comparison

@@ -1,8 +1,8 @@
 #!/bin/sh
-# pupil sim --random: some thousand cameras of any kind, and how many of them end wrong; the same with any number of
-# threads; what an interrupt leaves.
+# pupil sim --random: some thousand random cameras, and how many of them end wrong; the same with any number of threads;
+# what an interrupt leaves.
 #
-# The loop of before left 288 of the first 2000 wrong. `most` may only fall, to 0.
+# The previous loop left 288 of the first 2000 wrong. `most` may only fall, to 0.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -11,14 +11,14 @@ seed=${1:-1} count=${2:-2000} most=${3:-5}
 echo "cameras from seed $seed; others: tests/apps/lab/sim/test_random.sh SEED COUNT MOST, with PUPIL_PROGRAM=.../pupil"
 status=0
 "$program" sim --random "$count" --seed "$seed" >many.txt 2>noise.txt || status=$?
-cat many.txt # names those that fail, and the command that shows each
+cat many.txt # names the failing ones, and the command that shows each
 [ ! -s noise.txt ] || fail "on stderr: $(cat noise.txt)"
 failed=$(sed -n "s/^pupil: $count cameras from seed $seed, [0-9]* frames: \([0-9]*\) failed; .*/\1/p" many.txt)
 [ -n "$failed" ] || fail "another sum"
 [ "$failed" -le "$most" ] || fail "$failed cameras end wrong, at most $most may"
 [ "$status" = $((failed > 0)) ] || fail "exit $status"
 
-# some of which fail: named in the order of their seeds
+# the failing ones are named in the order of their seeds
 for threads in 1 3; do
     status=0
     "$program" sim --random 150 --seed 3 --controller integrator1 --threads $threads >some.txt || status=$?

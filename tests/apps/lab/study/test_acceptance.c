@@ -1,5 +1,5 @@
-/* The study on two lamps over spheres: every acceptance test holds; with the seeds' binary32 recursions A3 and A5 do
- * not; the tables are those that mapping every frame would give. */
+/* The study on two lamps over spheres: every acceptance test holds; with the original study's binary32 recursions A3
+ * and A5 do not; the tables are as if every frame were mapped. */
 #include "lab/study/study.h"
 
 #include <math.h>
@@ -67,7 +67,7 @@ static void check_acceptance(setup *s, workers *team)
     study_accept_scaled(&s->tests[9], &s->cells, &scaled.cells);
     end(&scaled);
 
-    /* how many cells each test has to look at, at least: none of them may pass by looking away */
+    /* the fewest cells that each test must check, so that none passes by checking too few */
     static const unsigned long least[STUDY_TESTS] = {64, 2176, 320, 500, 1000, 250, 1100, 160, 320, 1280, 1600};
     for (unsigned i = 0; i < STUDY_TESTS; i++) {
         CHECK_MSG(s->tests[i].violations == 0, "%s: %lu of %lu", s->tests[i].name, s->tests[i].violations,
@@ -115,7 +115,7 @@ static void check_float32(setup *s, workers *team)
     end(s);
 }
 
-/* A table with one wrong cell, a frame too late, is found out by each test that looks at it. */
+/* Each test that checks a cell finds it if it is one frame too late. */
 static void check_one_cell(setup *s)
 {
     s->cells.frame[2][1][5][1] += 2;
@@ -151,7 +151,7 @@ static void check_library_map(const setup *s)
     }
 }
 
-/* The closed form against the state of the library, and against its own inverse. */
+/* The closed form against the library's state, and against its own inverse. */
 static void check_closed_form(const setup *s)
 {
     for (unsigned f = 0; f < STUDY_FORMULAS; f++)

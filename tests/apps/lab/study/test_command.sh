@@ -1,5 +1,5 @@
 #!/bin/sh
-# `pupil study` as its user meets it: sentences, exit codes, files complete or absent. Needs $PUPIL_PROGRAM; runs in a
+# `pupil study` as a user sees it: sentences, exit codes, files complete or absent. Needs $PUPIL_PROGRAM; runs in a
 # folder of its own.
 set -u
 . "$(dirname "$0")/../../../lib.sh"
@@ -42,11 +42,11 @@ for case in 1 2 3 4; do
 done
 cp out/study.csv first.csv
 
-# its own table read again; not that of the seeds, which --check says
+# its own table is read again; --check says that it is not the original study's
 expect 0 "" study --regression out/study.csv
 expect 1 "" study --regression out/study.csv --check
 
-# the seeds' rounding is found out, at one thread and in place of what was there
+# the original study's rounding is detected, with one thread, replacing an earlier file
 expect 1 "out/study.csv: is there already; name another folder, or add -y" study spheres --size 48x40 --out out
 rm out/study.csv
 expect 1 "out/study.md: is there already" study spheres --size 48x40 --out out
@@ -55,7 +55,7 @@ grep -q '^A3 *0 of' said.out && fail "binary32 passes A3"
 grep -q '^A5 *0 of' said.out && fail "binary32 passes A5"
 cmp -s first.csv out/study.csv && fail "the files are those of the first study"
 
-# Ctrl-C: soon, and nothing half-written
+# Ctrl-C: a quick end, and nothing half-written
 "$program" study spheres --out stopped >said.out 2>said.err &
 child=$!
 sleep 1

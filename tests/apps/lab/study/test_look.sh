@@ -1,5 +1,5 @@
 #!/bin/sh
-# pupil study look: its tables, against what must hold between their rows, and what is refused.
+# pupil study look: relations that must hold between its tables' rows, and what is refused.
 set -eu
 . "$(dirname "$0")/../../../lib.sh"
 use_pupil
@@ -21,11 +21,11 @@ awk -F '|' '
     function near(a, b, by) { return a - b <= by && b - a <= by }
     function must(right, what) { if (!right) { print what; bad = 1 } }
     END {
-        # what is left of the way after 15 and after 3 frames: 0.95^12
+        # the remaining distance after 15 and after 3 frames: 0.95^12
         must(near(v[1, 1, "formula4", 2] / v[1, 1, "formula4", 1], 0.95 ^ 12, 0.002), "formula 4 is not its closed form")
         for (t = 1; t <= 7; t++)
             must(near(v[1, 1, "formula1", t], -v[2, 1, "formula2", t], 0.011), "formulas 1 and 2 are no mirror images")
-        # an eye: at once toward light, minutes toward the dark
+        # an eye: at once toward light, in minutes toward the dark
         must(v[1, 1, "eye", 1] > v[1, 1, "seconds", 1] && v[1, 1, "eye", 8] < 10, "the eye is slow toward light")
         must(v[2, 1, "eye", 5] > 0.5 && v[2, 1, "seconds", 5] < 0.01, "the eye is fast toward the dark")
         must(v[2, 2, "eye", 1] > 2 * v[2, 2, "seconds", 1], "no colour fades in the dark")
@@ -37,7 +37,7 @@ awk -F '|' '
             }
         exit bad
     }' look.md || fail "the tables are wrong: $(cat look.md)"
-# in daylight there are no rods: the eye differs from the target by its level alone
+# in daylight there are no rods: the eye differs from the target only by its level
 "$program" study look spheres --size 24x24 --eye 1e5 -q >day.md
 fades() { grep '^| eye |' "$1" | sed -n 4p | cut -d'|' -f3; }
 [ "$(fades day.md | tr -d ' .')" -lt "$(fades look.md | tr -d ' .')" ] || fail "colours fade in daylight: $(cat day.md)"

@@ -1,4 +1,4 @@
-/* The seeds' own tables from numbers alone, where the shared folder has them. */
+/* The original study's tables, computed from numbers alone, if the shared folder has them. */
 #include "lab/study/study.h"
 
 #include <math.h>
@@ -22,9 +22,9 @@ int main(int argc, char **argv)
     CHECK(r.exact >= 1257);
     CHECK(r.within_1 >= 1275);
     CHECK(r.within_2 == 1277);
-    CHECK(r.unfinished == 60 && r.stalled > 20 && r.stalled < 40); /* half of "does not converge" is rounding */
+    CHECK(r.unfinished == 60 && r.stalled > 20 && r.stalled < 40); /* half of "does not converge" comes from rounding */
 
-    /* What the acceptance tests find in those tables: they are not of exact arithmetic. */
+    /* What the acceptance tests find in those tables, which are not from exact arithmetic. */
     study_test order = {.name = "A2"}, equal = {.name = "A3"}, one_number = {.name = "A5"};
     study_accept_order(&order, &r.seeds);
     study_accept_equal(&equal, &r.seeds);

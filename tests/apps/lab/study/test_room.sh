@@ -1,5 +1,5 @@
 #!/bin/sh
-# The study at its full size in the room, and with radiosity: no violation. Minutes.
+# The study at full size in the room, and with radiosity: no violation. Takes minutes.
 set -u
 program=${PUPIL_PROGRAM:?the pupil program}
 scenes=$(dirname "$0")/../../../../fixtures/scenes
