@@ -34,7 +34,7 @@ const char *gl_shim_function(int i, int has_31)
     return i < (has_31 ? CALLS : CALLS_30) ? call_names[i] : NULL;
 }
 
-/* --- what is alive --- */
+/* --- live objects --- */
 
 thing shim_things[THINGS];
 
@@ -133,7 +133,7 @@ int shim_fails(gl_fault fault)
     return 1;
 }
 
-/* --- the way in --- */
+/* --- get_proc --- */
 
 static int tells_of_loss;
 

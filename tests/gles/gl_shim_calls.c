@@ -200,7 +200,7 @@ GLenum GL_APIENTRY shim_CheckFramebufferStatus(GLenum target)
     return shim_turn_of(GL_FAULT_INCOMPLETE) ? GL_FRAMEBUFFER_UNSUPPORTED : shim_driver.CheckFramebufferStatus(target);
 }
 
-/* --- what the context says of itself --- */
+/* --- what the context reports --- */
 
 GLenum GL_APIENTRY shim_GetError(void)
 {

@@ -1,4 +1,4 @@
-/* The calls: buffers that the GPU writes into, and the fences behind them. */
+/* The calls for buffers that the GPU writes into, and for the fences after those writes. */
 #include "gl_shim_private.h"
 
 static GLuint pack_buffer, copy_buffer, storage[4];
@@ -10,7 +10,7 @@ void shim_forget_bindings(void)
     pack_buffer = copy_buffer = 0;
 }
 
-/* By the GPU, or by a call that would have to wait for it. */
+/* Written by the GPU, or by a call that would have to wait for it. */
 static void touch(GLuint name, int by_gpu)
 {
     thing *buffer = shim_find(BUFFER, name, NULL);

@@ -1,4 +1,4 @@
-/* tests/gles/gl_shim_private.h: what gl_shim.c, gl_shim_calls.c and gl_shim_fences.c are to each other. */
+/* tests/gles/gl_shim_private.h: shared by gl_shim.c, gl_shim_calls.c and gl_shim_fences.c. */
 #ifndef PUPIL_TESTS_GL_SHIM_PRIVATE_H
 #define PUPIL_TESTS_GL_SHIM_PRIVATE_H
 
@@ -12,7 +12,7 @@ enum {
     GL_FUNCTIONS_31(CALL_NUMBER) CALLS
 };
 
-/* What gl_shim_get_proc hands out. */
+/* The functions that gl_shim_get_proc returns. */
 #define CALL_DECLARED(NAME, TYPE) __typeof__(*(PFNGL##TYPE##PROC)0) shim_##NAME;
 GL_FUNCTIONS_30(CALL_DECLARED)
 GL_FUNCTIONS_31(CALL_DECLARED)
@@ -25,9 +25,9 @@ typedef enum kind { BUFFER, TEXTURE, FRAMEBUFFER, SAMPLER, VERTEX_ARRAY, SHADER,
 typedef struct thing {
     kind kind;
     GLuint name;
-    GLsync sync;         /* a fence; a buffer: the one behind what the GPU writes into it, or NULL */
-    int written;         /* a buffer: by the GPU, since when no fence was seen to have signalled */
-    unsigned long frame; /* a fence: made in */
+    GLsync sync;         /* of a fence; of a buffer: the fence after the GPU's write, or NULL */
+    int written;         /* of a buffer: by the GPU, and no later fence was seen to have signalled */
+    unsigned long frame; /* of a fence: the frame that it was made in */
 } thing;
 
 #define THINGS 256
@@ -40,9 +40,9 @@ thing *shim_find(kind which, GLuint name, GLsync sync);
 
 /* Counts a call. 1: the context is lost, it must do nothing. */
 int shim_enter(int call);
-/* Whether it is this one's turn to fail. */
+/* Whether this call is the one to fail. */
 int shim_turn_of(gl_fault fault);
-/* The same, with GL_OUT_OF_MEMORY as the error; as in GL, the first one is kept until it is asked for. */
+/* The same, with GL_OUT_OF_MEMORY as the error; as in GL, the first error is kept until it is read. */
 int shim_fails(gl_fault fault);
 
 /* Of buffers. */

@@ -18,7 +18,7 @@ static const char *type_name(GLenum type)
     }
 }
 
-/* Advice on speed is the driver's opinion, and differs from one to the next; the rest is a fault of the caller's. */
+/* Advice on speed differs between drivers and is ignored; any other message is a fault of the caller. */
 static int is_fault(GLenum type, GLenum severity)
 {
     switch (type) {
@@ -48,7 +48,7 @@ static void GL_APIENTRY heard(GLenum source, GLenum type, GLuint id, GLenum seve
     printf("the driver says (%s%s): %s\n", type_name(type), fault ? "" : ", not counted", message);
 }
 
-/* Tried out with a message of our own: where extensions are hidden GL_KHR_debug may be there without being listed. */
+/* Tested with a message of our own, because GL_KHR_debug may exist without being listed if extensions are hidden. */
 static void listen(gl_test *test)
 {
     PFNGLDEBUGMESSAGECALLBACKPROC callback =
@@ -77,7 +77,7 @@ int gl_test_open(gl_test *test, uint32_t version)
     pupil_why why;
     pupil_egl_options options = {.version = version, .debug = 1};
     memset(test, 0, sizeof *test);
-    setvbuf(stdout, NULL, _IOLBF, 0); /* what was said before a crash is seen */
+    setvbuf(stdout, NULL, _IOLBF, 0); /* so that messages before a crash are seen */
     if (pupil_egl_open(&test->egl, NULL, &why) != 0) {
         printf("%s\n", why.text);
         return check_skip("no OpenGL ES driver");
@@ -111,7 +111,7 @@ GLenum gl_test_end(gl_test *test)
 
 void gl_test_forget(gl_test *test)
 {
-    for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++) /* a lost context has one for ever */
+    for (int i = 0; i < 8 && glGetError() != GL_NO_ERROR; i++) /* a lost context always has one */
         ;
     test->messages = 0;
 }

@@ -1,4 +1,4 @@
-/* tests/gles/gl_test.h: what the tests of the GPU's side share: a context without a window that listens to its driver
+/* tests/gles/gl_test.h: shared by the GPU tests: a context without a window that receives its driver's messages
  * (GL_KHR_debug), and a framebuffer.
  *
  *     static gl_test test;
@@ -19,32 +19,32 @@
 
 typedef struct gl_test {
     pupil_egl *egl;
-    unsigned long messages; /* of the driver's, that no good program causes */
+    unsigned long messages; /* messages of the driver that a correct program does not cause */
     int listens;            /* the driver has GL_KHR_debug */
     uint32_t framebuffer, texture, width, height;
 } gl_test;
 
-/* 0, or the exit status: 77 and a line that says so where there is no driver, or none of this version (a
- * pupil_gles_version; 0: 3.1 or else 3.0). The object stays where it is until gl_test_close. */
+/* 0, or the exit status: 77 with a message if there is no driver, or none of this version (a pupil_gles_version; 0: 3.1
+ * or else 3.0). The object must not move until gl_test_close. */
 int gl_test_open(gl_test *test, uint32_t version);
 
-/* Lets go of everything; the messages, and glGetError's last, are still reported. */
+/* Releases everything; pending messages, and the last glGetError, are still reported. */
 GLenum gl_test_end(gl_test *test);
 
-/* The driver interprets shaders, pixel by pixel: it takes thirty times as long as one that compiles them, so what is
- * compared in large numbers is less there. */
+/* The driver interprets shaders, pixel by pixel: it takes thirty times as long as one that compiles them, so tests
+ * compare less there. */
 int gl_test_interprets(void);
 
-/* For a test that provokes errors: those up to now are as they should be. */
+/* For a test that provokes errors: those so far were expected. */
 void gl_test_forget(gl_test *test);
 
-/* The name of a framebuffer with one RGBA8 attachment, in place of an earlier one. It is left bound. */
+/* The name of a framebuffer with one RGBA8 attachment, which replaces an earlier one. It is left bound. */
 uint32_t gl_test_framebuffer(gl_test *test, uint32_t width, uint32_t height);
 
-/* Its pixels, width * height * 4 bytes, the framebuffer's first row first. Waits. */
+/* Reads its pixels, width * height * 4 bytes, the framebuffer's first row first. Waits. */
 void gl_test_read(const gl_test *test, uint8_t *rgba);
 
-/* Here, so that they count as the test's own. */
+/* In the header, so that these checks count as the test's own. */
 static inline void gl_test_close(gl_test *test)
 {
     GLenum error = gl_test_end(test);

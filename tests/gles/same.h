@@ -1,5 +1,5 @@
-/* tests/gles/same.h: a frame through the GPU and through the CPU, and how far they lie apart. In a header, so
- * that its checks count as the test's own. */
+/* tests/gles/same.h: a frame on the GPU and on the CPU, and how much they differ. In a header, so that its checks count
+ * as the test's own. */
 #ifndef PUPIL_TESTS_SAME_H
 #define PUPIL_TESTS_SAME_H
 
@@ -12,7 +12,7 @@
 /* Of all frames compared so far. */
 typedef struct same_figures {
     double metering;       /* the log-average, relative; the largest */
-    uint64_t samples, off; /* of mapped frames: 8-bit samples, and those that are not equal */
+    uint64_t samples, off; /* of mapped frames: 8-bit samples, and how many differ */
     int most_codes;        /* by how much at most */
 } same_figures;
 
@@ -33,7 +33,7 @@ static uint64_t total(const uint64_t *bins, int count)
     return sum;
 }
 
-/* A luminance that is on the floor, or on a bin's edge, may fall on its other side: a GPU rounds as it likes. */
+/* A luminance at the floor, or at a bin's edge, may fall on the other side: GPUs round differently. */
 static int about(uint64_t a, uint64_t b, uint64_t pixels)
 {
     return (a > b ? a - b : b - a) <= 2 + pixels / 1000;
@@ -108,7 +108,7 @@ static void compare_pictures(gl_test *test, pupil_gles *gles, const pupil_t *pup
 
 /* Meters and maps one frame both ways and checks everything that must be equal: numbers of pixels, weights, totals of
  * the histogram, counts of odd pixels; one code at most. The figures are judged by same_judge. `what` is for messages.
- * Returns 0 where the GPU has refused the object (config.h: no histogram in ES 3.0), and checks that it should. */
+ * Returns 0 if the GPU refuses the object (config.h: no histogram in ES 3.0), and checks that it should. */
 static int same_frame(gl_test *test, const pupil_image_const *image, const pupil_config *config, same_figures *figures,
                       const char *what)
 {

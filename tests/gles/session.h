@@ -9,7 +9,7 @@
 #include "pupil/error.h"
 #include "pupil/gles.h"
 
-#define SESSION_FRAMES 5 /* of different light, in turn; no multiple of the ring's three */
+#define SESSION_FRAMES 5 /* of different light, in turn; not a multiple of the ring's three */
 
 typedef struct session {
     gl_test test;
@@ -29,7 +29,7 @@ static inline const char *session_name(const session *s)
     return text;
 }
 
-/* What both versions can have, on both sides. */
+/* Settings that both versions and both sides support. */
 static inline pupil_config session_settings(void)
 {
     pupil_config settings;
@@ -39,7 +39,7 @@ static inline pupil_config session_settings(void)
     return settings;
 }
 
-/* A new pupil_t, frames and a target, for a context that is open; nothing of GL's but the target is made. */
+/* A new pupil_t, frames and a target, for an open context; the target is the only GL object that is made. */
 static inline void session_set(session *s, uint32_t version, uint32_t adapt, uint32_t pixel, uint32_t width,
                                uint32_t height)
 {
@@ -93,15 +93,15 @@ static inline int session_process(session *s, unsigned long i)
     return error ? error : pupil_gles_process(&s->gles, &s->pupil, &info, &s->target);
 }
 
-/* Where the context has no ES 3.1 there is nothing to test of it. */
+/* Without ES 3.1 in the context there is nothing to test of it. */
 static inline int session_has_31(void)
 {
     const char *text = (const char *)glGetString(GL_VERSION);
     return strcmp(text, "OpenGL ES 3.1") >= 0;
 }
 
-/* A new object and frames of 16 x 4, and a shim that has forgotten everything, of kind & 1: ES 3.1, kind & 2: adapting
- * on the GPU. 0: the context has no such version. */
+/* A new object, frames of 16 x 4, and a reset shim. kind & 1: ES 3.1; kind & 2: adapting on the GPU. 0: the context
+ * lacks this version. */
 static inline int session_set_kind(session *s, int kind, uint32_t pixel)
 {
     if (kind & 1 && !session_has_31())

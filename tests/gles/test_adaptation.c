@@ -1,5 +1,5 @@
-/* The level on the GPU, in integers, compared with pupil_adapt: over 10,000 frames (2,000 where a frame takes long) of
- * steps, ramps, flicker, every dt, exposure and gain, locks and limits; and the picture that it maps. */
+/* The GPU's integer level compared with pupil_adapt over 10,000 frames (2,000 if frames are slow) of steps, ramps,
+ * flicker, every dt, exposure and gain, locks and limits; and the picture mapped with it. */
 #include <math.h>
 
 #include "frames.h"
@@ -14,7 +14,8 @@ typedef struct light {
     pupil_frame_info info;
 } light;
 
-/* The next moment: mostly ordinary frames, some late, at once, back in time; steps, ramps, flicker. */
+/* The next frame's time and light: mostly ordinary, some late, at the same time, or back in time; steps, ramps,
+ * flicker. */
 static void move(light *l, unsigned number, double frame_s)
 {
     const double r = check_uniform();
@@ -35,7 +36,7 @@ static void move(light *l, unsigned number, double frame_s)
     }
 }
 
-/* A gradient around the light, as the frame's exposure leaves it. */
+/* A gradient around the light, after the frame's exposure. */
 static void draw(frame *f, const light *l)
 {
     const double taken = l->info.exposure_s > 0.0 ? l->info.exposure_s * l->info.gain : 1.0;
@@ -47,7 +48,7 @@ typedef struct pair {
     gl_test *test;
     pupil_gles gles;
     pupil_t follows, alone; /* by the GPU's statistics; by the CPU's own */
-    double law, whole;      /* the largest distances so far, in stops */
+    double law, whole;      /* the largest differences so far, in stops */
     int most_codes;
     uint64_t samples, off;
 } pair;
@@ -114,7 +115,7 @@ static void open_pair(pair *p, const pupil_config *config)
     CHECK_MSG(error == PUPIL_OK, "%s", why.text);
 }
 
-/* New settings half-way, and another object that takes over: the level continues. */
+/* New settings halfway, then another object takes over: the level continues. */
 static void change(pair *p, pupil_config *config, unsigned number, unsigned frames)
 {
     if (number == frames / 4) {
@@ -143,7 +144,7 @@ static void run(gl_test *test, const char *what, double frame_s, double tau_ligh
     p = (pair){.test = test};
     pupil_config_default(&config);
     config.white_mode = PUPIL_WHITE_FIXED;
-    config.flicker = 0; /* light that goes up and down with every other of 240 frames is a lamp at 60 Hz */
+    config.flicker = 0; /* light that alternates from frame to frame at 240 frames a second is a lamp at 60 Hz */
     config.white = 4.0;
     config.tau_light_s = tau_light_s;
     config.tau_dark_s = tau_dark_s;

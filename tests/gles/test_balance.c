@@ -1,5 +1,5 @@
-/* pupil_gles_balance: from then on statistics and pictures are those that an object made with this balance has; what is
- * no balance is refused, and nothing moves. */
+/* pupil_gles_balance: from then on statistics and pictures are those of an object made with this balance; an invalid
+ * balance is refused, and nothing changes. */
 #include "check.h"
 #include "frames.h"
 #include "pupil/pupil.h"

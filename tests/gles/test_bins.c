@@ -1,5 +1,5 @@
-/* The histogram of ES 3.0, which blending counts: every row of it equals the CPU's, whatever the weights, the width and
- * the format; one of each four rows is close to it, and adds up to the same weight. */
+/* The histogram of ES 3.0, which blending counts: with every row counted it equals the CPU's for all weights, widths
+ * and formats; with one row in four it is close, and adds up to the same weight. */
 #include <math.h>
 
 #include "frames.h"
@@ -7,9 +7,10 @@
 #include "pupil/error.h"
 #include "pupil/gles.h"
 
-static uint64_t moved, counted; /* pixels whose bin is another one; in all */
+static uint64_t moved, counted; /* pixels in another bin; all pixels */
 
-/* A luminance on the edge of a bin may fall on its other side: half of the sum of differences has moved. */
+/* A luminance at a bin's edge may fall on the other side: the number of moved pixels is half of the sum of
+ * differences. */
 static void compare_bins(const uint64_t *gpu, const uint64_t *cpu, int count, uint64_t weight, const char *what)
 {
     uint64_t off = 0, total = 0;
@@ -24,7 +25,7 @@ static void compare_bins(const uint64_t *gpu, const uint64_t *cpu, int count, ui
               (unsigned long long)weight);
 }
 
-/* 0: this context has none, and says so. */
+/* 0: this context has no histogram, and says so. */
 static int meter(const frame *f, const pupil_config *config, const pupil_coding *coding, pupil_stats *gpu,
                  pupil_stats *cpu)
 {
@@ -70,7 +71,7 @@ static int check_every_row(uint32_t pixel, uint32_t width, uint32_t height, int 
     if (kind == 0)
         frame_lognormal(&f, 0.2, 3, check_uniform);
     else if (kind == 1)
-        frame_fill(&f, 0.3, 0.3, 0.3); /* a row of one value is as far as a half has to count */
+        frame_fill(&f, 0.3, 0.3, 0.3); /* a row of one value is the most that a half must count */
     else
         frame_odd(&f, check_uniform);
     pupil_config_default(&config);
@@ -134,7 +135,7 @@ int main(int argc, char **argv)
             check_every_row(PUPIL_PIXEL_NV12, 256, 130, weights, kind);
             check_every_row(PUPIL_PIXEL_BAYER10, 164, 66, weights, kind);
         }
-    check_every_row(PUPIL_PIXEL_RGBA16F, 2049, 3, 0, 1); /* more than a half counts to */
+    check_every_row(PUPIL_PIXEL_RGBA16F, 2049, 3, 0, 1); /* more than the largest count of a half */
     check_every_row(PUPIL_PIXEL_RGBA16F, 5000, 2, 1, 1);
     check_every_row(PUPIL_PIXEL_GREY8, PUPIL_MAX_SIDE_PX, 1, 1, 1);
     check_every_row(PUPIL_PIXEL_GREY8, 1, 1, 0, 0);

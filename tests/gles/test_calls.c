@@ -1,15 +1,16 @@
-/* What pupil_gles promises of its calls, seen by a shim over 600 frames: nothing waits, nothing is made after init,
- * nothing is read before its fence has signalled; with a fast GPU and a slow one. */
+/* What pupil_gles promises of its calls, checked by a shim over 600 frames: nothing waits, nothing is created after
+ * init, nothing is read before its fence has signalled; with a fast and a slow GPU. */
 #include <math.h>
 
 #include "session.h"
 
 #define FRAMES     600
-#define FEW_FRAMES 120 /* where the ring is to go round a few dozen times */
+#define FEW_FRAMES 120 /* for which the ring wraps a few dozen times */
 
 static session s;
 
-/* What no frame may call: the shim hands out what lib/gles asks for, and glFinish and their like would be breaches. */
+/* Functions that no frame may call. The shim provides what lib/gles asks for, and glFinish and the like would be
+ * breaches. */
 static void check_promises(const char *what)
 {
     CHECK_MSG(shim.breaches == 0, "%s: %lu breaches, above", what, shim.breaches);
@@ -34,7 +35,7 @@ static void end(void)
     CHECK(shim.breaches == 0);
 }
 
-/* Each frame's statistics are back with the next one: every frame is the same work. */
+/* Each frame's statistics are back with the next one: every frame does the same work. */
 static void check_steady(void)
 {
     unsigned long a_frame = 0;
@@ -61,7 +62,7 @@ static void check_steady(void)
     end();
 }
 
-/* As fast as the driver is, which with most is slower than this loop. */
+/* At the driver's own speed, mostly slower than this loop. */
 static void check_own_time(void)
 {
     begin(0);
@@ -70,12 +71,11 @@ static void check_own_time(void)
     end();
 }
 
-/* Fences take longer than the ring is: frames are mapped all the same. */
+/* Fences take longer than the ring lasts: frames are still mapped. */
 static void check_slow(unsigned late)
 {
     pupil_gles_status status;
-    const uint64_t expected =
-        (FEW_FRAMES + late - 1) / late * 3; /* three are handed over, then all come back at once */
+    const uint64_t expected = (FEW_FRAMES + late - 1) / late * 3; /* three are pending, then all come back at once */
     begin(late);
     for (unsigned long i = 0; i < FEW_FRAMES; i++)
         CHECK(session_process(&s, i) == PUPIL_OK);
@@ -92,7 +92,7 @@ static void check_slow(unsigned late)
     end();
 }
 
-/* The seam, call by call: statistics come in the frames' order, each with its own info, and are its own. */
+/* The individual calls: statistics come in the frames' order, each with its own frame's info. */
 static void check_order(unsigned late)
 {
     double mean[SESSION_FRAMES];
@@ -130,7 +130,7 @@ static void check_order(unsigned late)
     end();
 }
 
-/* With a timeout collect may wait, and then says what came; that too is the caller's own choice alone. */
+/* With a timeout collect may wait, and then reports what came; only the caller decides that. */
 static void check_timeout(void)
 {
     pupil_stats stats;
@@ -142,7 +142,7 @@ static void check_timeout(void)
     end();
 }
 
-/* With a white that follows there is a histogram, which must be cleared before it is counted into. */
+/* A following white point needs a histogram, which must be cleared before counting. */
 static void check_histogram(void)
 {
     pupil_config settings;
@@ -161,7 +161,7 @@ int main(int argc, char **argv)
     if (status)
         return status;
     const int has_31 = session_has_31();
-    /* Few rows for 3.1: each takes sixteen groups of compute shaders, which Mesa's drivers on the CPU are slow with. */
+    /* Few rows for 3.1: each takes sixteen groups of compute shaders, which are slow in Mesa's CPU drivers. */
     for (uint32_t version = PUPIL_GLES_ES30; version <= (has_31 ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30); version++)
         for (uint32_t adapt = 0; adapt < PUPIL_GLES_ADAPT_COUNT; adapt++) {
             for (size_t i = 0; i < sizeof pixels / sizeof pixels[0]; i++) {

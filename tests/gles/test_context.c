@@ -1,5 +1,5 @@
-/* egl/egl_context.h and egl/dmabuf.h, as far as no device is needed: contexts one after another, next to each other and
- * in two threads, what is refused, fences. */
+/* egl/egl_context.h and egl/dmabuf.h, where no device is needed: contexts in sequence, simultaneously and in two
+ * threads, what is refused, fences. */
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <fcntl.h>
@@ -14,18 +14,18 @@
 #include "resident.h"
 
 #define OPENED 200
-/* It clears tens of MiB for each. */
+/* softpipe clears tens of MiB for each. */
 #define OPENED_SOFTPIPE 40
 /* Not counted: Mesa's caches fill with the first contexts. */
 #define WARM_UP 20
-/* A context of llvmpipe's that is not destroyed keeps 2.5 MiB; 180 leaks of 4 KiB, the smallest step of what is
- * resident, would be 720 KiB. What still grows by itself takes some dozens. */
+/* A leaked llvmpipe context keeps 2.5 MiB; 180 leaks of 4 KiB, the smallest step of resident memory, would be 720 KiB.
+ * Other growth takes some dozens. */
 #define GROWTH_KIB 300
 
 static pupil_why why;
 
-/* Asked of EGL alone, so that a fault of pupil_egl_open's cannot pass for a machine without a driver; and in a child,
- * so that the children to come have none of the driver's threads. */
+/* Uses only EGL, so that a fault of pupil_egl_open does not look like a machine without a driver; and in a child
+ * process, so that later children have none of the driver's threads. */
 static int has_driver(void)
 {
     pid_t child = fork();
@@ -64,7 +64,7 @@ static void check_growth(void)
     }
     after = resident_kib();
     printf("resident after %d contexts %ld KiB, after %d %ld KiB\n", WARM_UP, before, opened, after);
-#if !CHECK_SANITIZED /* it keeps what was freed for a while */
+#if !CHECK_SANITIZED /* it keeps freed memory for a while */
     CHECK_MSG(before > 0 && after - before <= GROWTH_KIB, "grew by %ld KiB", after - before);
 #endif
 }
@@ -119,8 +119,8 @@ static void check_options(void)
     pupil_egl_close(egl);
 }
 
-/* What a program of its own sees, with an environment of its own: Mesa reads it once. Other drivers give their best
- * version to all. */
+/* In a separate process with its own environment, because Mesa reads it once. Other drivers always give their best
+ * version. */
 static void check_version(const char *override, uint32_t version, const char *refusal)
 {
     fflush(stdout);
@@ -154,7 +154,7 @@ static void check_fences(void)
     pupil_fence_close(NULL);
     if (!fence)
         return;
-    /* It signals without anybody waiting in GL; CTest ends the test if it never does. */
+    /* It signals although nothing waits in GL; CTest ends the test if it never does. */
     while (pupil_fence_done(fence) == 0)
         usleep(100);
     CHECK(pupil_fence_done(fence) == 1);
@@ -175,12 +175,12 @@ static void check_fences(void)
     pupil_fence_close(fence);
 }
 
-/* What gl_test.h promises of silence: a fault is heard, and counted. */
+/* If gl_test.h reports nothing, there was no fault: here a fault is reported and counted. */
 static void check_silence(gl_test *test)
 {
     glEnable(GL_POINTS);
     CHECK(test->messages == (test->listens ? 1 : 0));
-    CHECK(test->listens || !strstr((const char *)glGetString(GL_RENDERER), "pipe")); /* Mesa's two do listen */
+    CHECK(test->listens || !strstr((const char *)glGetString(GL_RENDERER), "pipe")); /* Mesa's two drivers do report */
     gl_test_forget(test);
     CHECK(test->messages == 0 && glGetError() == GL_NO_ERROR);
 }
@@ -197,7 +197,7 @@ static void refused(const pupil_dmabuf *buffer, const char *words)
     pupil_dmabuf_release(&textures);
 }
 
-/* Before the driver is asked, and where it cannot. */
+/* Refused before the driver is asked, and by the driver. */
 static void check_dmabuf(int memory)
 {
     pupil_dmabuf good = {.pixel = PUPIL_PIXEL_NV12,

@@ -1,5 +1,5 @@
-/* EGL 1.4 without EGL_KHR_get_all_proc_addresses finds extensions' functions alone: a sentence, no crash. This program
- * has an eglGetProcAddress of its own in front of the driver's, which finds no other. */
+/* EGL 1.4 without EGL_KHR_get_all_proc_addresses only finds extension functions: a sentence, no crash. This program's
+ * own eglGetProcAddress wraps the driver's and finds no others. */
 #include <EGL/egl.h>
 #include <dlfcn.h>
 #include <string.h>

@@ -1,11 +1,11 @@
-/* An external texture, as camera stacks hand out: its driver makes RGB of it, which is then metered and mapped as RGBA8
- * is by the CPU, or as RGB10A2 with PQ. Here it is an EGLImage of an ordinary texture. */
+/* An external texture, as from camera stacks: the driver converts it to RGB, which is then metered and mapped as the
+ * CPU does with RGBA8, or with RGB10A2 in PQ. Here it is an EGLImage of an ordinary texture. */
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GLES3/gl32.h>
 #include <math.h>
 
-#include <GLES2/gl2ext.h> /* wants gl32.h before it */
+#include <GLES2/gl2ext.h> /* must come after gl32.h */
 
 #include "frames.h"
 #include "gl_test.h"
@@ -13,7 +13,7 @@
 
 enum { WIDTH = 61, HEIGHT = 37 };
 
-/* The picture as an EGLImage; its texture stays. NULL: the driver has none. */
+/* The picture as an EGLImage; its texture stays. NULL: the driver has no EGLImages. */
 static EGLImageKHR make_image(const pupil_image_const *picture)
 {
     GLuint texture;
@@ -72,7 +72,7 @@ static void compare(gl_test *test, pupil_gles *gles, const pupil_t *pupil, const
     CHECK(most <= 1 && off <= 1);
 }
 
-/* 0, or a sentence: the driver has none. */
+/* 0, or a sentence: the driver has no external textures. */
 static const char *test_picture(gl_test *test, uint32_t pixel, uint32_t light)
 {
     static pupil_gles gles;

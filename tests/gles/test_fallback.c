@@ -1,5 +1,5 @@
-/* pupil_gles at work where something fails: a named error, the object as it was, and the pupil_t that continues, with
- * the CPU or with another object, as if there had never been a GPU. What fails in init: test_faults.c. */
+/* Failures of pupil_gles at run time: a named error, the object unchanged, and a pupil_t that continues, with the CPU
+ * or with another object, as if there had never been a GPU. Failures of init: test_faults.c. */
 #include <math.h>
 
 #include "session.h"
@@ -29,8 +29,8 @@ static void close_kind(void)
 
 /* --- the level --- */
 
-/* Light changes long before the GPU is lost and taken again, so that a frame whose statistics were lost with it leaves
- * nothing behind: the law makes two steps of one time constant toward one light out of any two. */
+/* Light changes long before the GPU is lost and taken again, so that a frame whose statistics were lost makes no
+ * difference: toward constant light, one step over the summed time is the same as two. */
 #define SPAN  25
 #define LOST  40
 #define AGAIN 80
@@ -65,14 +65,14 @@ static double adapted_ev(const pupil_t *pupil)
     return exposure.adapted_ev;
 }
 
-/* 1e-5 relative is what metering may be off (pupil/gles.h), 1.44e-5 stops. */
+/* The tolerance of metering, 1e-5 relative (pupil/gles.h), is 1.44e-5 stops. */
 static void same_level(const pupil_t *pupil, double expected, unsigned long i)
 {
     const double off = adapted_ev(pupil) - expected;
     CHECK_MSG(fabs(off) <= 1.44e-5, "%s, frame %lu: %g stops off", session_name(&s), i, off);
 }
 
-/* The level on the GPU is that of the pupil_t, which has had the same statistics: 2e-6 stops and half of 2^-24. */
+/* The level on the GPU is that of the pupil_t, which got the same statistics: 2e-6 stops and half of 2^-24. */
 static void same_on_gpu(unsigned long i)
 {
     pupil_gles_status status;
@@ -86,7 +86,7 @@ static void same_on_gpu(unsigned long i)
 
 static void new_context(void)
 {
-    gl_shim_begin(1); /* of what the lost one still had */
+    gl_shim_begin(1); /* of the lost context's objects */
     gl_test_close(&s.test);
     CHECK(gl_test_open(&s.test, PUPIL_GLES_BEST) == 0);
     s.target.framebuffer = gl_test_framebuffer(&s.test, s.config.width, s.config.height);
@@ -95,7 +95,7 @@ static void new_context(void)
 
 typedef enum ending { ENDS_LOST, ENDS_WITHOUT_CONTEXT, ENDS_IN_ANOTHER, ENDINGS } ending;
 
-/* Frames on the GPU, then it is gone, then on the CPU, then on the GPU of a new context; compared with a CPU alone. */
+/* Frames on the GPU until it is lost, then on the CPU, then on the GPU in a new context; compared with only the CPU. */
 static void check_trajectory(int kind, ending how)
 {
     static pupil_t alone;
@@ -117,7 +117,7 @@ static void check_trajectory(int kind, ending how)
             CHECK(on_gpu(i) == expected);
             CHECK(memcmp(&kept, &s.pupil, sizeof kept) == 0 && shim.total == calls);
             pupil_gles_close(&s.gles);
-            CHECK(shim.total == calls); /* nothing is deleted in a context that is lost, or another's */
+            CHECK(shim.total == calls); /* nothing is deleted in a lost context, or in another one */
         }
         if (i == AGAIN) {
             new_context();
@@ -140,7 +140,7 @@ static void check_trajectory(int kind, ending how)
 
 /* --- one call fails --- */
 
-/* The nth of some call: one frame gets the error; what came before and after is well. */
+/* The n-th of some call fails: one frame gets the error; those before and after are right. */
 static void check_once(int kind, gl_fault fault, int expected, const char *what)
 {
     int failed = 0;
@@ -160,7 +160,7 @@ static void check_once(int kind, gl_fault fault, int expected, const char *what)
     close_kind();
 }
 
-/* --- what the caller has wrong --- */
+/* --- the caller's errors --- */
 
 static void check_uploads(void)
 {
@@ -239,7 +239,7 @@ static void check_curves(void)
     CHECK(pupil_gles_map(&s.gles, &huge, &s.target) == PUPIL_ERR_VALUE);
 }
 
-/* Settings that cannot be had, and shaders that cannot: the old ones go on. */
+/* Settings that are not possible, and shaders that do not compile: the old ones stay in use. */
 static void check_retune(int kind)
 {
     pupil_config wrong = session_settings(), histogram = session_settings();
@@ -296,7 +296,7 @@ static void check_callers(int kind)
     CHECK(pupil_gles_get_status(&s.gles, NULL) == PUPIL_ERR_NULL);
     CHECK(pupil_gles_get_status(NULL, &status) == PUPIL_ERR_NULL);
     close_kind();
-    /* of an object that is closed, and of none */
+    /* of a closed object, and of NULL */
     CHECK(session_process(&s, 10) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_process(&s.gles, &s.pupil, NULL, &s.target) == PUPIL_ERR_OBJECT);
     CHECK(pupil_gles_retune(&s.gles, &s.pupil, &s.why) == PUPIL_ERR_OBJECT && strstr(s.why.text, "object"));
@@ -308,7 +308,7 @@ static void check_callers(int kind)
     CHECK(pupil_gles_meter(NULL, NULL) == PUPIL_ERR_NULL && pupil_gles_map(NULL, NULL, NULL) == PUPIL_ERR_NULL);
 }
 
-/* The context is lost at some call of a frame. */
+/* The context is lost at each call of a frame in turn. */
 static void check_lost_at_work(int kind)
 {
     if (!open_kind(kind) || !gl_shim_tells_of_loss())

@@ -1,10 +1,10 @@
-/* pupil_gles_init and pupil_gles_retune where something fails: a named error, a sentence that names the cause, nothing
- * left behind, and the object as it was. What fails at work: test_fallback.c. */
+/* Failures in pupil_gles_init and pupil_gles_retune: a named error, a sentence that names the cause, no leaks, and the
+ * object unchanged. Failures at run time: test_fallback.c. */
 #include "session.h"
 
 static session s;
 
-/* Every shader that there is. */
+/* Every shader. */
 static int set_kind(int kind)
 {
     if (!session_set_kind(&s, kind, PUPIL_PIXEL_NV12))
@@ -13,7 +13,7 @@ static int set_kind(int kind)
     return 1;
 }
 
-/* Nothing of GL's is left, not even an error, and the object is not open. */
+/* No GL object is left, not even an error, and the object is not open. */
 static void check_nothing_left(const char *what)
 {
     pupil_gles_status status;
@@ -31,7 +31,7 @@ static int init(void)
     return session_init(&s);
 }
 
-/* Init has failed with the error, and why has the words. */
+/* Init has failed with this error, and `why` has these words. */
 static void judge(int error, int expected, const char *words, const char *what)
 {
     CHECK_MSG(error == expected, "%s, %s: error %d (\"%s\"), not %d", session_name(&s), what, error, s.why.text,
@@ -48,7 +48,7 @@ static void refused(int expected, const char *words, const char *what)
     judge(init(), expected, words, what);
 }
 
-/* --- what the caller has wrong --- */
+/* --- the caller's errors --- */
 
 static void check_null(void)
 {
@@ -134,7 +134,7 @@ static void check_settings(void)
     }
 }
 
-/* --- what the context lacks --- */
+/* --- missing in the context --- */
 
 static void check_context(void)
 {
@@ -176,7 +176,7 @@ static void check_functions(void)
 
 /* --- what the driver refuses --- */
 
-/* In the order in which they are compiled, by set_kind. */
+/* In the order in which set_kind compiles them. */
 static const char *const shaders[4][13] = {
     {"triangle.vert", "meter.frag", "triangle.vert", "reduce.frag", "map.vert", "map.frag", "map.vert",
      "map.frag, scaled"},
@@ -212,7 +212,7 @@ static void check_shaders(int kind)
     pupil_gles_close(&s.gles);
 }
 
-/* What 3.1 cannot compile 3.0 may be able to, unless a histogram is wanted. */
+/* If 3.1 fails to compile, 3.0 is tried, unless a histogram is wanted. */
 static void check_best(void)
 {
     pupil_gles_status status;
@@ -234,7 +234,7 @@ static void check_best(void)
     refused(PUPIL_ERR_GLES_SHADER, "meter.comp", "with a histogram");
 }
 
-/* Every n-th thing that takes memory, until there is none. */
+/* Every n-th allocation fails, until there are no more. */
 static void check_memory(int kind)
 {
     unsigned n = 1;
@@ -260,7 +260,7 @@ static void check_memory(int kind)
     }
 }
 
-/* The context is lost at some call of init: each one of the first, then one of nineteen. */
+/* The context is lost at some call of init: at each of the first ones, then at one in nineteen. */
 static void check_lost(int kind)
 {
     set_kind(kind);

@@ -69,7 +69,7 @@ static const char *const formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_RGB10A2] = "RGB10A2",   [PUPIL_PIXEL_I444_16] = "I444_16",
 };
 
-/* As the frame's number goes round: the usual one, and one with a grid, a clip, a curve, primaries of its own. */
+/* By the frame's number, in turn: the usual config, and one with a grid, a clip, a curve, its own primaries. */
 static void configure(pupil_config *config, unsigned turn)
 {
     pupil_config_default(config);
@@ -88,7 +88,7 @@ static void configure(pupil_config *config, unsigned turn)
     config->output_primaries = turn % 7 == 3 ? PUPIL_OUTPUT_BT709 : turn % 7 == 5 ? PUPIL_OUTPUT_BT2020 : 0;
 }
 
-/* Formats of cameras: every order, matrix, range, light, shift and level of black. */
+/* Camera formats: every order, matrix, range, light, shift and black level. */
 static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
 {
     *coding = (pupil_coding){.matrix = turn % PUPIL_MATRIX_COUNT,
@@ -118,8 +118,8 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
     }
 }
 
-/* The largest size is for two formats. Of the rest a third is compared: of each format every scene and every size.
- * Where shaders are interpreted, and under the sanitizers, two of the largest frames alone. */
+/* The largest size is only for two formats. Of the rest a third is compared, with every scene and every size of each
+ * format. If shaders are interpreted, and under the sanitizers, only two of the largest frames. */
 static int is_left_out(uint32_t pixel, size_t scene_number, size_t size_number)
 {
     if (size_number != 4)
@@ -129,7 +129,7 @@ static int is_left_out(uint32_t pixel, size_t scene_number, size_t size_number)
     return pixel != PUPIL_PIXEL_RGBA32F && pixel != PUPIL_PIXEL_RGBA16F;
 }
 
-/* Rows so far apart that GL has no number for it. */
+/* A stride that GL cannot express. */
 static void test_far_rows(gl_test *test)
 {
     const size_t stride = (size_t)(UINT64_C(1) << 33), bytes = stride + 4096;
@@ -139,7 +139,7 @@ static void test_far_rows(gl_test *test)
     const pupil_image_const image = {
         .data = far, .stride_bytes = (ptrdiff_t)stride, .width = 4, .height = 2, .pixel = PUPIL_PIXEL_GREY8};
     if (!stride || far == MAP_FAILED)
-        return; /* no room for addresses */
+        return; /* not enough address space */
     pupil_config_default(&config);
     config.white_mode = PUPIL_WHITE_NONE;
     memset(far, 60, 4);
@@ -182,7 +182,7 @@ int main(int argc, char **argv)
                 }
                 frame_free(&f);
             }
-        /* Of few frames one column of a gradient, all of whose rows are off, is too much of a format. */
+        /* With few frames, a single column of a gradient that is off in all rows would exceed a format's limit. */
         if (check_state.all)
             same_judge(&figures, formats[pixel]);
         else

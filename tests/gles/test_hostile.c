@@ -1,11 +1,11 @@
-/* The state of GL that a caller left behind changes nothing: every call is made in the worst of it, and gives the bits
- * that it gives in a new context. */
+/* GL state left by a caller changes nothing: every call is made in the worst state, and gives the same bits as in a new
+ * context. */
 #include "session.h"
 
 #define WIDTH  38
 #define HEIGHT 22
 #define FRAMES 4
-#define UNITS  8 /* more than are used */
+#define UNITS  8 /* more than are in use */
 
 /* Objects of the caller's. */
 typedef struct rubbish {
@@ -146,7 +146,7 @@ static void spoil(const rubbish *r)
     set_bindings(r);
 }
 
-/* What a run leaves. */
+/* The results of a run. */
 typedef struct result {
     pupil_stats stats[FRAMES];
     uint8_t rgba[FRAMES][WIDTH * HEIGHT * 4];
@@ -154,7 +154,7 @@ typedef struct result {
     pupil_gles_status status;
 } result;
 
-/* A target with `samples` a pixel, which is then resolved to that of the test. */
+/* A target with `samples` per pixel, which is then resolved into the test's. */
 static GLuint many_samples(GLuint *renderbuffer)
 {
     GLuint framebuffer;
@@ -253,7 +253,7 @@ int main(int argc, char **argv)
     const uint32_t newest = session_has_31() ? PUPIL_GLES_ES31 : PUPIL_GLES_ES30;
     glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
     gl_test_close(&s.test);
-    const int samples = most_samples < 4 ? 1 : 4; /* softpipe has fewer than the specification says */
+    const int samples = most_samples < 4 ? 1 : 4; /* softpipe has fewer than the specification requires */
     for (uint32_t version = PUPIL_GLES_ES30; version <= newest; version++) {
         compare(version, PUPIL_GLES_ADAPT_CPU, PUPIL_PIXEL_NV12, samples);
         compare(version, PUPIL_GLES_ADAPT_GPU, PUPIL_PIXEL_BAYER10, 1);

@@ -1,6 +1,6 @@
 /* Real pictures and a rendered one: the shared stills, the frames of the shared clip, the shared Bayer frame, and the
- * room before and after its lamp is switched on. The GPU's statistics and picture compared with the CPU's. Where
- * shaders are interpreted it is every seventh frame of the clip, and the top of the largest still. */
+ * room before and after its lamp is switched on. The GPU's statistics and picture compared with the CPU's. If shaders
+ * are interpreted, only every seventh frame of the clip, and the top of the largest still. */
 #include <dirent.h>
 #include <unistd.h>
 
@@ -8,8 +8,8 @@
 #include "same.h"
 #include "synth/synth_source.h"
 
-/* With everything that is the default but the curve, and where there is no histogram without what wants one. A level's
- * edge is no matter of one code: none is quantised. */
+/* With defaults, except for the curve, and without a histogram no setting that needs one. Levels are not quantised,
+ * because at a step's edge rounding would cost more than one code. */
 static void compare(gl_test *test, const pupil_image_const *image, const char *what, same_figures *all)
 {
     static const uint32_t curves[] = {PUPIL_CURVE_REINHARD, PUPIL_CURVE_ADJUST, PUPIL_CURVE_EQUALISE,
@@ -68,7 +68,7 @@ static int ends_with(const char *name, const char *end)
     return n >= m && !strcmp(name + n - m, end);
 }
 
-/* One of `every`; how many there are. */
+/* Compares one in `every`; returns how many. */
 static unsigned compare_folder(gl_test *test, const char *folder, unsigned every, same_figures *all)
 {
     struct dirent **names;

@@ -1,6 +1,6 @@
-/* The level on the GPU compared with pupil_adapt where numbers are extreme: exposures and calibrations to the end of
- * what is allowed, time constants of hours, limits that leave no room, a lock from the start, reset and retune on the
- * way, a full ring. */
+/* The level on the GPU compared with pupil_adapt for extreme numbers: exposures and calibrations up to their limits,
+ * time constants of hours, limits that leave no room, a lock from the start, reset and retune in between, a full
+ * ring. */
 #include <math.h>
 
 #include "frames.h"
@@ -60,7 +60,7 @@ static void meter(double light, double dt_s, double exposure_s, double gain)
     CHECK(pupil_gles_meter(&b.gles, &info) == PUPIL_OK);
 }
 
-/* The distance of both levels, in stops. */
+/* The difference of the two levels, in stops. */
 static double collect(void)
 {
     pupil_stats stats;
@@ -119,7 +119,7 @@ static void test_exposures(gl_test *test)
     }
 }
 
-/* Codes that are too dark: the limit of amplification, wherever the exposure takes it; not in light. */
+/* Codes that are too dark: the amplification limit, regardless of the exposure; not for light. */
 static void test_dark_codes(gl_test *test)
 {
     static const uint32_t pixels[] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_RGB8, PUPIL_PIXEL_RGB10A2, PUPIL_PIXEL_GREY10};
@@ -177,7 +177,7 @@ static void test_lock(void)
     pupil_config config = usual();
     config.lock = 1;
     begin(&config);
-    CHECK(step(0x1p10, 0.1, 0.0, 0.0) <= 2e-6); /* the first light is taken all the same */
+    CHECK(step(0x1p10, 0.1, 0.0, 0.0) <= 2e-6); /* the first light is still taken */
     CHECK(step(0x1p-10, 0.1, 0.0, 0.0) <= 2e-6);
     pupil_gles_close(&b.gles);
 }
@@ -188,11 +188,11 @@ static void test_reset(void)
     begin(&config);
     CHECK(step(0x1p10, 0.1, 0.0, 0.0) <= 2e-6);
     CHECK(pupil_reset(&b.pupil) == PUPIL_OK && pupil_gles_retune(&b.gles, &b.pupil, NULL) == PUPIL_OK);
-    const double reset = step(0x1p-10, 0.1, 0.0, 0.0); /* nothing was seen before: at once */
+    const double reset = step(0x1p-10, 0.1, 0.0, 0.0); /* no frame before: at once */
     CHECK_MSG(reset <= 2e-6, "after a reset: %g stops", reset);
     pupil_gles_close(&b.gles);
 
-    begin(&config); /* a frame that is dropped on the way has never been */
+    begin(&config); /* a dropped frame has no effect */
     meter(0x1p10, 0.1, 0.0, 0.0);
     CHECK(pupil_gles_retune(&b.gles, &b.pupil, NULL) == PUPIL_OK);
     const double dropped = step(0x1p-10, 0.1, 0.0, 0.0);
@@ -200,7 +200,7 @@ static void test_reset(void)
     pupil_gles_close(&b.gles);
 }
 
-/* A frame that comes when the ring is full is not metered, but its exposure is its own. */
+/* A frame that comes when the ring is full is not metered, but mapped with its own exposure. */
 static void test_full_ring(gl_test *test)
 {
     const pupil_config config = usual();
@@ -228,7 +228,7 @@ int main(int argc, char **argv)
     test_exposures(&test);
     test_dark_codes(&test);
     test_slow(1.0 / 240.0, 60.0, 200);
-    test_slow(1.0 / 1000.0, 9.5e5, 1000); /* 4.5 of 2^32: rounded each time, it would be 11 % off */
+    test_slow(1.0 / 1000.0, 9.5e5, 1000); /* a step of 4.5 / 2^32: if rounded each time, 11 % off */
     test_no_room();
     test_lock();
     test_reset();

@@ -1,5 +1,5 @@
-/* Every text that lib/gles can put together for a shader, checked by glslangValidator: one driver's compiler forgives
- * what another's does not. */
+/* Every shader text that lib/gles can assemble, checked by glslangValidator, because some drivers' compilers accept
+ * errors that others do not. */
 #include "check.h"
 #include "frames.h"
 #include "gles/gles_variant.h"
@@ -32,7 +32,7 @@ static char *put_together(const gles_variant *v, uint32_t shader)
     return whole;
 }
 
-/* glslangValidator knows the stage by the name's end. */
+/* glslangValidator takes the stage from the file's extension. */
 static const char *stage_of(const char *name)
 {
     return strstr(name, ".vert") ? "vert" : strstr(name, ".comp") ? "comp" : "frag";
@@ -70,7 +70,7 @@ static int is_mosaic(uint32_t pixel)
     return pupil_pixel_is_mosaic(pixel);
 }
 
-/* Whether pupil_gles_init can come to this one. */
+/* Whether pupil_gles_init can use this one. */
 static int makes_sense(const gles_variant *v)
 {
     const int external = v->source == PUPIL_GLES_EXTERNAL;
@@ -112,7 +112,7 @@ static void keep_every(void)
             }
 }
 
-/* 1: glslangValidator takes the files. */
+/* 1: glslangValidator accepts the files. */
 static int validates(const char *files, const char *if_not)
 {
     char command[1024];
@@ -133,7 +133,7 @@ int main(int argc, char **argv)
     CHECK_MSG(count > 100, "%d", count);
     CHECK(validates("*.vert *.frag *.comp", "grep -B3 ERROR said"));
 
-    /* It does find faults, in each of the stages. */
+    /* It finds faults, in each stage. */
     static const char *const wrong[] = {"wrong.vert", "wrong.frag", "wrong.comp"};
     for (int i = 0; i < 3; i++) {
         write_file(wrong[i], "#version 310 es\nvoid main() { int x = 1.0; }\n");

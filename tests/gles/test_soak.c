@@ -8,17 +8,17 @@
 
 #define FRAMES  100000
 #define WARM_UP 5000 /* of the frames of each kind */
-/* What leaks on each of 20,000 frames is 32 bytes at least, malloc's smallest piece: 625 KiB. Small leaks first fill
- * the holes that the compilation of shaders has left, so what is resident would not show them. */
+/* A leak in each of 20,000 frames is at least 32 bytes, malloc's smallest block: 625 KiB. Small leaks first fill the
+ * holes that shader compilation has left, so resident memory would not show them. */
 #define GROWTH_KIB 256
-/* Of what is resident: a driver's thread may still touch something large for the first time, a MiB of stack was seen.
+/* Of resident memory: a driver's thread may still touch something large for the first time; a MiB of stack was seen.
  */
 #define RESIDENT_KIB 2048
 
 #define CONTEXTS         200
 #define WARM_UP_CONTEXTS 60
-/* The smallest thing that a context has is hundreds of bytes; what GL has for an object, the shim counts. 140 leaks of
- * 4 KiB would be 560. */
+/* The smallest allocation of a context is hundreds of bytes; GL's objects are counted by the shim. 140 leaks of 4 KiB
+ * would be 560. */
 #define CONTEXT_GROWTH_KIB 256
 
 static session s;
@@ -58,7 +58,7 @@ static void check_growth(footprint before, long most_kib, const char *what)
            now.resident_kib, before.in_use_kib, now.in_use_kib);
     CHECK_MSG(now.files == before.files, "%s: %d files, then %d", what, before.files, now.files);
     CHECK(before.resident_kib > 0);
-#if !CHECK_SANITIZED /* it keeps what was freed for a while */
+#if !CHECK_SANITIZED /* it keeps freed memory for a while */
     CHECK_MSG(now.in_use_kib - before.in_use_kib <= most_kib, "%s", what);
     CHECK_MSG(now.resident_kib - before.resident_kib <= RESIDENT_KIB, "%s", what);
 #else

@@ -1,8 +1,8 @@
-/* Where the picture comes to lie: orientations, windows and memory, letterbox, fill, stretch, split screens, scaling,
- * half size, and the caller's own textures. */
+/* Where the picture is drawn: orientations, windows and memory, letterbox, fill, stretch, split screens, scaling, half
+ * size, and the caller's own textures. */
 #include <GLES3/gl32.h>
 
-#include <GLES2/gl2ext.h> /* wants gl32.h before it */
+#include <GLES2/gl2ext.h> /* must come after gl32.h */
 
 #include "frames.h"
 #include "gl_test.h"
@@ -60,7 +60,7 @@ static void open_gles(pupil_gles *gles, const pupil_image_const *image, uint32_t
     CHECK(pupil_gles_upload(gles, image) == PUPIL_OK);
 }
 
-/* The picture's pixel that an orientation shows at (x, y); EXIF's definition, by what is at the row and column 0. */
+/* The picture's pixel that an orientation shows at (x, y), by EXIF's definition of what row 0 and column 0 are. */
 static const uint8_t *shown_at(const view *v, uint32_t orientation, uint32_t x, uint32_t y)
 {
     const uint32_t right = v->width - 1, bottom = v->height - 1;
@@ -84,7 +84,7 @@ static const uint8_t *shown_at(const view *v, uint32_t orientation, uint32_t x, 
     }
 }
 
-/* Every pixel of the part where the picture should be; the others are `around`. */
+/* Checks every pixel where the picture should be; the others are `around`. */
 static void check_picture(const view *picture, const view *seen, const pupil_gles_target *t, uint32_t part_x,
                           uint32_t part_width, int most)
 {
@@ -129,7 +129,7 @@ static void test_orientations(gl_test *test)
             CHECK(pupil_gles_map(&gles, &curve, &t) == PUPIL_OK);
             gl_test_read(test, seen.rgba);
             check_picture(&picture, &seen, &t, 0, 40, 1);
-            t.from = 0.5f; /* the right half alone, rounded */
+            t.from = 0.5f; /* the right half only, rounded */
             t.to = 1.0f;
             wipe(test, &seen, &t);
             CHECK(pupil_gles_map(&gles, &curve, &t) == PUPIL_OK);
@@ -145,7 +145,7 @@ static void test_orientations(gl_test *test)
     free(seen.rgba);
 }
 
-/* A frame whose left half is dark and right half bright, which scaling must leave so. */
+/* A frame with a dark left and a bright right half, which scaling must keep. */
 static frame two_halves(uint32_t width, uint32_t height)
 {
     frame f = frame_make(width, height, PUPIL_PIXEL_RGB32F, 0, 0);
@@ -157,7 +157,7 @@ static frame two_halves(uint32_t width, uint32_t height)
 
 typedef struct fit_case {
     uint32_t fit, orientation, width, height;
-    uint32_t x, y, drawn_width, drawn_height; /* where the picture of 20 x 10 is to be */
+    uint32_t x, y, drawn_width, drawn_height; /* where the 20 x 10 picture should be */
 } fit_case;
 
 static void test_fits(gl_test *test)
@@ -192,7 +192,7 @@ static void test_fits(gl_test *test)
                     bars += !near(at(&seen, x, y), bar, 0);
                     continue;
                 }
-                /* away from where two colours meet there is but one to be seen */
+                /* away from the edge of two colours only one is visible */
                 const double px = (u + 0.5) / c->drawn_width, py = (v + 0.5) / c->drawn_height;
                 const int middle = (px > 0.4 && px < 0.6) || (py > 0.35 && py < 0.65);
                 const uint8_t *colour = shown_at(&picture, c->orientation, px < 0.5 ? 2 : 17, py < 0.5 ? 1 : 8);
@@ -206,7 +206,7 @@ static void test_fits(gl_test *test)
     free(picture.rgba);
 }
 
-/* To a half: each pixel is the mean of four. */
+/* To half size: each pixel is the mean of four. */
 static void test_halving(gl_test *test)
 {
     static pupil_gles gles;
@@ -251,7 +251,7 @@ static void test_half_size(gl_test *test)
     free(seen.rgba);
 }
 
-/* How a caller makes the textures of a format. */
+/* How a caller creates the textures of a format. */
 typedef struct own_textures {
     uint32_t pixel, normalized_16;
     struct {
@@ -259,7 +259,7 @@ typedef struct own_textures {
         GLenum format, type;
         uint32_t texel_bytes;
     } plane[3];
-    GLint red, blue; /* what the first plane's swizzle makes of them; 0, 0: none */
+    GLint red, blue; /* the first plane's swizzle; 0, 0: none */
 } own_textures;
 
 static void make_texture(const own_textures *own, int i, GLsizei width, GLsizei height, ptrdiff_t stride,
@@ -274,14 +274,14 @@ static void make_texture(const own_textures *own, int i, GLsizei width, GLsizei 
     }
 }
 
-/* The caller's textures, whose filters are GL's first ones. */
+/* The caller's textures, with GL's default filters. */
 static void test_own_textures(gl_test *test, const own_textures *own)
 {
     static pupil_gles gles;
     pupil_gles_config config;
     const pupil_coding pq = {.light = PUPIL_LIGHT_PQ};
     frame f = frame_make(31, 17, own->pixel, 0, 0);
-    f.image.coding = &pq; /* 8-bit RGB does not read it */
+    f.image.coding = &pq; /* not for 8-bit RGB */
     frame_lognormal(&f, 0.2, 1.0, check_uniform);
     view picture = mapped_by_cpu(&f.image, 0), seen = view_make(31, 17);
     pupil_gles_target t = {.width = 31, .height = 17, .top_first = 1};

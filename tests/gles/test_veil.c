@@ -1,4 +1,5 @@
-/* A picture with its veil, by the GPU and by the CPU: a code on one sample of 10,000 at most; and what is refused. */
+/* A picture with its veil, by the GPU and by the CPU: at most one code of difference, on one sample of 10,000; and what
+ * is refused. */
 #include "check.h"
 #include "frames.h"
 #include "pupil/veil.h"

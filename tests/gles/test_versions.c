@@ -1,4 +1,4 @@
-/* Structs of every size in the calls that need a context: as tests/core/test_versions.c of the others. */
+/* Structs of every size in the calls that need a context; tests/core/test_versions.c has the others. */
 #include "session.h"
 
 enum { MARK = 0xa5, MORE = 24 };
@@ -14,7 +14,7 @@ static int all_are(const void *memory, size_t from, size_t end, int value)
     return 1;
 }
 
-/* `bytes` were to be written of `whole`, which has whole_bytes, to the start of part. */
+/* The start of `part` must have `bytes` bytes of `whole`, which has whole_bytes. */
 static void check_part(const char *name, const void *part, size_t part_bytes, size_t bytes, const void *whole,
                        size_t whole_bytes)
 {

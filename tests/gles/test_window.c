@@ -1,4 +1,4 @@
-/* egl/window.h in an X server of its own (Xvfb), with keys from xdotool. SDL is kept from the machine's screen. */
+/* egl/window.h in its own X server (Xvfb), with keys from xdotool. SDL cannot use the machine's screen. */
 #include <GLES3/gl3.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -24,7 +24,7 @@ static pid_t start_server(void)
         if (!freopen("/dev/null", "w", stderr))
             _exit(127);
         execlp("Xvfb", "Xvfb", "-displayfd", fd, "-screen", "0", "640x480x24", "-nolisten", "tcp", "-noreset",
-               (char *)NULL); /* or it begins again, and is deaf meanwhile, whenever its last window closes */
+               (char *)NULL); /* else it resets when its last window closes, and is deaf meanwhile */
         _exit(127);
     }
     close(ends[1]);
@@ -60,7 +60,7 @@ static void check_refusals(void)
     pupil_window_close(NULL);
 }
 
-/* Everything up to a 'q', without what is of no interest. */
+/* All events up to a 'q', without those of no interest. */
 static void check_keys(pupil_window *window)
 {
     static const int expected[] = {'a',
@@ -123,11 +123,11 @@ static void check_window(void)
     while (pupil_window_poll(window) != PUPIL_WINDOW_NOTHING)
         ;
     check_size(window, 640, 480);
-    pupil_window_set_fullscreen(window, 0); /* its old size is the window manager's to give back: here is none */
+    pupil_window_set_fullscreen(window, 0); /* the window manager would restore its size: there is none */
     CHECK(glGetError() == GL_NO_ERROR);
     pupil_window_close(window);
 
-    /* Larger than the screen: its shape is kept. */
+    /* Larger than the screen: its aspect ratio is kept. */
     options.width = 1920, options.height = 1080, options.version = PUPIL_GLES_ES30;
     CHECK_MSG(pupil_window_open(&window, &options, &why) == 0, "%s", why.text);
     if (!window)

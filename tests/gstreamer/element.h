@@ -10,16 +10,17 @@
 /* A picture without padding, with random bytes or none; to be freed. */
 pupil_image picture_make(uint32_t pixel, uint32_t width, uint32_t height, int is_random);
 
-/* "video/x-raw, format=..." of 30 frames a second. `colorimetry` may be NULL. */
+/* "video/x-raw, format=..." with 30 frames a second. `colorimetry` may be NULL. */
 gchar *caps_text(const char *format, uint32_t width, uint32_t height, const char *colorimetry);
 
-/* A buffer of this format with the picture's samples. `padding`: bytes more in each row, which a GstVideoMeta says. */
+/* A buffer of this format with the picture's samples. `padding`: extra bytes in each row, described by a
+ * GstVideoMeta. */
 GstBuffer *buffer_of(const char *format, const pupil_image *picture, uint32_t padding, GstClockTime pts);
 
 /* 1: the buffer's samples are those of the picture, in each plane; the buffer is as these caps say. */
 int is_same(GstBuffer *buffer, const GstCaps *caps, const pupil_image *picture);
 
-/* Of the next message of the element, its structure, to be freed; NULL: there is none. */
+/* The structure of the element's next message, to be freed; NULL: there is none. */
 GstStructure *next_message(GstBus *bus);
 
 #endif

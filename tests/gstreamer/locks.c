@@ -1,5 +1,5 @@
-/* GLib's mutexes and queues for the thread sanitizer, which does not see them: they are futexes in a library that it
- * did not compile. Linked to the tests in its builds alone. */
+/* GLib's mutexes and queues for the thread sanitizer, which does not see the originals: they are futexes in a library
+ * that was not compiled with it. Only linked to the tests in its builds. */
 #include <dlfcn.h>
 #include <glib.h>
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# gstreamer.pipelines: the plugin as its user meets it: gst-inspect-1.0, pipelines of gst-launch-1.0, the example.
+# gstreamer.pipelines: the plugin as a user sees it: gst-inspect-1.0, pipelines of gst-launch-1.0, the example.
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../lib.sh"
 needs gst-launch-1.0 gst-inspect-1.0
@@ -26,18 +26,18 @@ for format in P010_10LE I420_10LE Y444_16LE NV12 YV12 NV21 NV16 YUY2 UYVY RGBA B
     launch videotestsrc num-buffers=2 ! video/x-raw,format=$format,width=33,height=17 ! pupilae ! fakesink
 done
 launch videotestsrc num-buffers=2 ! video/x-raw,width=1,height=1 ! pupilae ! fakesink
-# With what surrounds it in most pipelines; two in one; another size in between
+# With the usual neighbours in a pipeline; two in one pipeline; another size in between
 launch videotestsrc num-buffers=9 ! videoconvert ! pupilae ! videoconvert ! pupilae ! videoscale ! \
     video/x-raw,width=64,height=48 ! pupilae ! pngenc ! multifilesink location=%d.png
 [ -s 8.png ] || fail "no 8.png"
 launch videotestsrc num-buffers=3 ! video/x-raw,format=I420_10LE,colorimetry=bt2100-pq ! pupilae ! video/x-raw,format=RGB ! \
     pngenc ! multifilesink location=pq%d.png
 [ -s pq2.png ] || fail "no pq2.png"
-# 16-bit RGB of a linear kind is not read: it is converted before
+# linear 16-bit RGB is not read: it is converted before
 launch videotestsrc num-buffers=2 ! video/x-raw,format=ARGB64 ! videoconvert ! pupilae ! fakesink
 
-# refuses WORDS PIPELINE...: one error, in these words. gst-launch-1.0 1.22 may wait for ever after an error before the
-# first picture (identity error-after=1 shows it, too), so it is ended.
+# refuses WORDS PIPELINE...: one error, in these words. gst-launch-1.0 1.22 may wait forever after an error before the
+# first picture (as with identity error-after=1), so it is killed.
 refuses() {
     words=$1
     shift

@@ -1,4 +1,4 @@
-/* tests/gstreamer/refusing_camera.h: a camera in this process, whose controls can be made impossible to write. One a
+/* tests/gstreamer/refusing_camera.h: a camera in this process whose controls can be made unwritable. One per
  * program. */
 #ifndef PUPIL_TESTS_GSTREAMER_REFUSING_CAMERA_H
 #define PUPIL_TESTS_GSTREAMER_REFUSING_CAMERA_H

@@ -1,5 +1,5 @@
 /* pupilae's frames are those of pupil_process, bit for bit: every format in and out, odd and tiny sizes, padded rows,
- * and what the caps say of the colours. */
+ * and the colours of the caps. */
 #include "check.h"
 #include "element.h"
 
@@ -20,7 +20,7 @@ static const struct {
             {"RGBA", PUPIL_PIXEL_RGBA8, 0}, {"RGBx", PUPIL_PIXEL_RGBA8, 0}, {"BGRx", PUPIL_PIXEL_BGRX8, 0},
             {"RGB", PUPIL_PIXEL_RGB8, 0},   {"BGR", PUPIL_PIXEL_BGR8, 0}};
 
-/* What pupil is to be given for a colorimetry in caps. */
+/* The coding for pupil that corresponds to a colorimetry in caps. */
 typedef struct colours {
     const char *in, *out; /* caps; NULL: open */
     pupil_coding in_coding, out_coding;

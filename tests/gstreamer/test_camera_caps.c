@@ -1,5 +1,5 @@
-/* Which size and rate a camera is asked for, from what downstream takes and what the camera has; and the caps of what
- * it then sends. */
+/* Which size and rate a camera is asked for, given what downstream accepts and the camera has; and the caps of its
+ * frames. */
 #include "gstreamer/camera_caps.h"
 
 #include <linux/videodev2.h>
@@ -8,7 +8,7 @@
 #include "check.h"
 #include "gstreamer/picture_format.h"
 
-/* A camera of YUYV with three sizes, of which the smallest has more rates, and a format that is not read. */
+/* A YUYV camera with three sizes, the smallest with more rates, and a format that is not read. */
 static pupil_live_size yuyv_sizes[] = {
     {.width = 320, .height = 240, .max_width = 320, .max_height = 240, .fps = {15, 30, 60}, .rates = 3},
     {.width = 640, .height = 480, .max_width = 640, .max_height = 480, .fps = {30}, .rates = 1},
@@ -21,7 +21,7 @@ static pupil_live_mode webcam_modes[] = {{.fourcc = V4L2_PIX_FMT_YUYV, .read = 1
                                          {.fourcc = V4L2_PIX_FMT_MJPEG, .read = 1, .size = jpeg_sizes, .sizes = 1},
                                          {.fourcc = V4L2_PIX_FMT_H264, .read = 0, .size = odd_sizes, .sizes = 1}};
 
-/* Cameras of any size in steps; the last one begins where no step ends. */
+/* Cameras with stepwise sizes; the last one's range does not begin at a multiple of its step. */
 static pupil_live_size scaled_sizes[] = {{.width = 32,
                                           .height = 24,
                                           .max_width = 1920,
@@ -50,14 +50,14 @@ static void test_ask(void)
         double fps;
         const char *refused;
     } cases[] = {
-        /* open, or fixed: as it is wanted, whatever the camera says of itself */
+        /* open, or fixed: as wanted, regardless of the camera's list */
         {WEBCAM, 0, "", 0, 0, 0, NULL},
         {WEBCAM, 0, ", width=[1,16384], height=[1,16384], framerate=[0/1,2147483647/1]", 0, 0, 0, NULL},
         {WEBCAM, 0, ", width=322, height=242", 322, 242, 0, NULL},
         {WEBCAM, 0, ", width=322, height=242, framerate=30000/1001", 322, 242, 30000.0 / 1001, NULL},
         {WEBCAM, 0, ", width=322, height=242, framerate=0/1", 322, 242, 0, NULL},
         {WEBCAM, 0, ", framerate=7/1", 0, 0, 7, NULL},
-        /* one side; ranges; lists: the mode that is nearest */
+        /* one side; ranges; lists: the nearest mode */
         {WEBCAM, 0, ", width=640", 640, 480, 30, NULL},
         {WEBCAM, 0, ", height=240", 320, 240, 30, NULL},
         {WEBCAM, 0, ", width={320,640}, height={240,480}", 320, 240, 30, NULL},

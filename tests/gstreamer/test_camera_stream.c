@@ -1,5 +1,5 @@
-/* A live camera's frames as pupilsrc has them, without an element: settings that are refused, limits of the exposure
- * within the camera's, a camera that is gone and comes back, controls that cannot be written. */
+/* A live camera's frames as in pupilsrc, without an element: settings that are refused, exposure limits within the
+ * camera's, a camera that is unplugged and comes back, controls that cannot be written. */
 #include "gstreamer/camera_stream.h"
 
 #include <errno.h>
@@ -48,7 +48,7 @@ static fake_v4l2_config camera_of(uint32_t fourcc)
     return config;
 }
 
-/* The next frame, into a picture of `width`. As camera_stream_show. */
+/* The next frame, into a picture of `width`. Returns what camera_stream_show does. */
 static int show(camera_stream *s, uint32_t width)
 {
     static unsigned char pixels[64 * 24 * 4];
@@ -69,7 +69,7 @@ static void doze(void)
     nanosleep(&moment, NULL);
 }
 
-/* Until what was asked for is written, or refused; the test as a whole has a time limit. */
+/* Waits until the setting is written or refused; the whole test has a time limit. */
 static void await_write(const camera_stream *s)
 {
     pupil_camera_status status;
@@ -96,7 +96,7 @@ static void test_open(void)
     unplug(&s);
 }
 
-/* Settings that are refused change nothing, not even what is good in them. */
+/* Refused settings change nothing, not even by their valid parts. */
 static void test_retune(void)
 {
     const fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
@@ -174,7 +174,7 @@ static void test_refused(void)
     unplug(&s);
 }
 
-/* Nothing is steered where the controls are left alone: the words are the level's. */
+/* In hands-off mode nothing is steered: the status is the level's. */
 static void test_left_alone(void)
 {
     const fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
@@ -189,7 +189,7 @@ static void test_left_alone(void)
     unplug(&s);
 }
 
-/* A camera that comes back has the total that was wanted last, not what it was plugged in with. */
+/* A camera that comes back gets the last wanted total, not its setting at plugging in. */
 static void test_comes_back(void)
 {
     fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);
@@ -221,7 +221,7 @@ static void test_comes_back(void)
     unplug(&s);
 }
 
-/* Writes that are refused are said to be so, and asked for again; at the end it is said that they are not back. */
+/* Refused writes are reported and asked for again; at the end it is reported that the controls are not restored. */
 static void test_refusals(void)
 {
     fake_v4l2_config config = camera_of(V4L2_PIX_FMT_YUYV);

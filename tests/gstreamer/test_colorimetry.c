@@ -1,4 +1,4 @@
-/* What caps say of colours, as pupil has it; and which colours a picture has where downstream leaves a choice. */
+/* Colours of caps as pupil's coding; and the colours of a picture if downstream leaves a choice. */
 #include "gstreamer/colorimetry.h"
 
 #include <math.h>
@@ -167,7 +167,8 @@ static void test_out(void)
     }
 }
 
-/* Of what downstream takes: its own where it is open, the first of a list that a picture can have, else as it is. */
+/* From what downstream accepts: the input's own if it is open, else the first of a list that a picture can have, else
+ * unchanged. */
 static void test_fixate(void)
 {
     static const struct {

@@ -1,12 +1,12 @@
-/* Each property of both elements: what is set is what is there; a text that is no value is said to be none, and the
- * property stays as it was. The elements are linked to this program. */
+/* Each property of both elements: a set value reads back; a text that is not a value is refused, and the property keeps
+ * its value. The elements are linked to this program. */
 #include "check.h"
 #include "element.h"
 
 GST_PLUGIN_STATIC_DECLARE(pupil);
 
 typedef struct property {
-    const char *name, *usual, *other; /* as gst-launch-1.0 takes them, and as they are read back */
+    const char *name, *usual, *other; /* as for gst-launch-1.0, and as read back */
 } property;
 
 static const property picture[] = {{"ae-lock", "false", "true"},
@@ -29,7 +29,7 @@ static const property camera[] = {{"device", "/dev/video0", "libcamera:0"}, {"se
                                   {"ae-antibanding", "auto", "off"},        {"ae-antibanding", "auto", "50"},
                                   {"ae-antibanding", "auto", "60"},         {NULL, NULL, NULL}};
 
-/* An enum by its nick, all else as text. */
+/* An enum by its nick, everything else as text. */
 static void check_is(GstElement *element, const char *name, const char *expected)
 {
     GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), name);

@@ -1,5 +1,5 @@
-/* pupilsrc with a camera in this process: caps, timestamps, numbers, exposure, controls given back, an unplugged
- * camera, properties from another thread, states in turn. The elements are linked to this program. */
+/* pupilsrc with a camera in this process: caps, timestamps, numbers, exposure, restored controls, an unplugged camera,
+ * properties from another thread, changes of state. The elements are linked to this program. */
 #include <linux/videodev2.h>
 #include <math.h>
 
@@ -40,7 +40,7 @@ static void plug(camera *c, const fake_v4l2_config *config)
     gst_element_set_bus(c->h->element, c->bus);
 }
 
-/* Nothing of the camera is left. */
+/* Nothing of the camera stays open. */
 static void unplug(camera *c)
 {
     gst_element_set_state(c->h->element, GST_STATE_NULL);
@@ -97,7 +97,7 @@ static void test_stream(void)
     guint64 sequence = 0;
     double ev = 0.0;
     char state[32] = "";
-    unsigned apart = 0; /* frames whose times are as far apart as their numbers; a busy machine has a few others */
+    unsigned apart = 0; /* frames whose times match their numbers; on a busy machine a few do not */
     for (int i = 0; i < 90 || (i < 400 && strcmp(state, "converged") != 0); i++) { /* a busy machine loses frames */
         GstBuffer *got = gst_harness_pull(c.h);
         CHECK(GST_BUFFER_PTS_IS_VALID(got) && (i == 0 || GST_BUFFER_PTS(got) > last));
@@ -304,7 +304,7 @@ static void test_another_size(void)
     unplug(&c);
 }
 
-/* Without a clock there are no timestamps, and a clock that stands still stops nothing. */
+/* Without a clock there are no timestamps, and a stopped clock stops nothing. */
 static void test_clocks(void)
 {
     camera c;
@@ -328,7 +328,7 @@ static void test_clocks(void)
     }
 }
 
-/* Controls that are not to be touched, are not. Of two elements on one camera the second is refused. */
+/* In hands-off mode controls are not touched. Of two elements on one camera the second is refused. */
 static void test_hands_off(void)
 {
     camera c;

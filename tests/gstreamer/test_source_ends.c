@@ -1,5 +1,5 @@
-/* pupilsrc at its begin and end: caps that cannot be, latency before a camera is open, a pool of downstream, a stream
- * that ends by itself, controls that hang or cannot be put back. */
+/* pupilsrc at its start and end: impossible caps, latency before a camera is open, a downstream pool, a stream that
+ * ends by itself, controls that hang or cannot be restored. */
 #include <errno.h>
 #include <linux/videodev2.h>
 
@@ -40,7 +40,7 @@ static void unplug(GstHarness *h)
     gst_element_set_bus(h->element, NULL);
     gst_object_unref(bus);
     gst_harness_teardown(h);
-    while (fake_v4l2_holds(rig.fake).files) /* a write that hangs ends; the test has a time limit */
+    while (fake_v4l2_holds(rig.fake).files) /* until a hanging write ends; the test has a time limit */
         g_usleep(10000);
     fake_v4l2_free(rig.fake);
     pupilsrc_system = NULL;
@@ -67,7 +67,7 @@ static void test_latency(void)
     GstHarness *h = plug(&config, "pupilsrc", "video/x-raw, format=NV12, width=32, height=24");
     GstElement *source = gst_harness_find_element(h, "pupilsrc");
     GstQuery *query = gst_query_new_latency();
-    CHECK(!gst_element_query(source, query)); /* nobody knows before there is a rate */
+    CHECK(!gst_element_query(source, query)); /* unknown before there is a rate */
     gst_harness_play(h);
     gst_buffer_unref(gst_harness_pull(h));
     CHECK(gst_element_query(source, query));
@@ -87,7 +87,7 @@ static void test_no_caps(void)
     unplug(h);
 }
 
-/* What is asked for anew is what is there already: the camera stays open, and its frames go on. */
+/* If caps are requested again unchanged, the camera stays open, and its frames continue. */
 static void test_same_caps(void)
 {
     const fake_v4l2_config config = usual();
@@ -101,11 +101,11 @@ static void test_same_caps(void)
         last = GST_BUFFER_OFFSET(got);
         gst_buffer_unref(got);
     }
-    CHECK_MSG(last >= 5, "frame %u", (unsigned)last); /* one that is opened again counts from 0 */
+    CHECK_MSG(last >= 5, "frame %u", (unsigned)last); /* a reopened one counts from 0 */
     unplug(h);
 }
 
-/* Downstream brings a pool; and none is made here. */
+/* Downstream brings a pool, so none is created here. */
 static void test_pool(void)
 {
     const fake_v4l2_config config = usual();
@@ -134,7 +134,7 @@ static void test_end(void)
     unplug(h);
 }
 
-/* The stop is not the place to wait for ever: a warning each, in words. */
+/* A stop must not wait forever: a warning each, in words. */
 static void test_not_given_back(void)
 {
     fake_v4l2_config config = usual();

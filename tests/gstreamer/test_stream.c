@@ -1,5 +1,5 @@
-/* pupilae in a stream: caps that it takes and refuses, caps that change, flush, seek, discontinuities and end, messages
- * and metas, properties from another thread. */
+/* pupilae in a stream: caps that it accepts and refuses, caps that change, flush, seek, discontinuities and end,
+ * messages and metas, properties from another thread. */
 #include <math.h>
 
 #include "check.h"
@@ -31,7 +31,7 @@ static void stream_close(stream *s)
     g_free(s->state);
 }
 
-/* A frame of one grey, which is linear light; its numbers are in the stream. 0: it did not come. */
+/* Pushes a frame of one grey, in linear light; its numbers go into the stream. 0: it did not come out. */
 static int show(stream *s, unsigned code, GstClockTime pts, GstBufferFlags flags)
 {
     pupil_image in = picture_make(PUPIL_PIXEL_GREY8, WIDTH, HEIGHT, 0);
@@ -59,7 +59,7 @@ static int is_at(const stream *s, unsigned code)
     return fabs(s->adapted_ev - log2(code / 255.0)) < 0.01;
 }
 
-/* Frames of 1/30 s; the level is that of `code` at their end. */
+/* Frames of 1/30 s, at whose end the level is that of `code`. */
 static GstClockTime settle(stream *s, unsigned code, GstClockTime pts)
 {
     for (int i = 0; i < 300; i++, pts += GST_SECOND / 30)
@@ -96,7 +96,7 @@ static void test_forgets(void)
     gst_harness_push_event(s.h, gst_event_new_segment(&segment));
     show(&s, 60, 31 * GST_SECOND, 0);
     CHECK(is_at(&s, 60));
-    /* played backwards: running time goes on */
+    /* played backwards: running time continues */
     segment.rate = -1.0;
     segment.start = 0;
     segment.stop = 31 * GST_SECOND;
@@ -118,7 +118,7 @@ static void test_no_time(void)
     stream_close(&s);
 }
 
-/* appsrc's segment is one of bytes unless it is told otherwise. */
+/* appsrc's segment is in bytes unless configured otherwise. */
 static void test_bytes(void)
 {
     stream s = stream_open();
@@ -205,7 +205,7 @@ static void test_colorimetry_of_src(void)
     }
 }
 
-/* Where downstream has no preference: the input's own format, or RGBA for RGB, or NV12. */
+/* If downstream has no preference: the input's own format, or RGBA for RGB, or NV12. */
 static void test_format_of_src(void)
 {
     static const struct {
@@ -267,7 +267,7 @@ static void test_refused(void)
     }
 }
 
-/* Of frames without timestamps: a rate that is not known is 30 a second, and the slowest is a picture in eleven days.
+/* Frames without timestamps: an unknown rate counts as 30 a second, and the slowest is a picture in eleven days.
  */
 static void test_rates(void)
 {
@@ -287,7 +287,7 @@ static void test_rates(void)
     }
 }
 
-/* Another size keeps the level; another way to code light, or other primaries, forget it. */
+/* A new size keeps the level; a new transfer function or new primaries reset it. */
 static void test_caps_change(void)
 {
     stream s = stream_open();
@@ -318,8 +318,8 @@ static void test_caps_change(void)
     stream_close(&s);
 }
 
-/* Frames that are not as their caps say are an error; one that is too short is a warning of GstVideoFilter's own.
- * Nothing outside the buffer is touched. */
+/* Frames that do not match their caps are an error; one that is too short causes GstVideoFilter's own warning. Nothing
+ * outside the buffer is touched. */
 static void test_wrong_buffers(void)
 {
     static const gint strides[] = {65, 63, 1, 0};
@@ -338,7 +338,7 @@ static void test_wrong_buffers(void)
     }
 }
 
-/* From state to state, and sent somewhere else again and again, forwards and backwards. */
+/* From state to state, with many seeks, forwards and backwards. */
 static void test_storms(void)
 {
     GstElement *pipeline = gst_pipeline_new(NULL);

@@ -1,9 +1,9 @@
 #!/bin/sh
-# gstreamer.valgrind: the tests of pupilae again, with every access and all that is not freed looked at. GLib keeps its
-# table of words, as its own list of suppressions says.
+# gstreamer.valgrind: the tests of pupilae again, with a check of every access and every leak. GLib keeps its string
+# table, as its own suppressions say.
 set -eu
 command -v valgrind >/dev/null || { echo "skipped: no valgrind: the packages are listed in test.sh"; exit 77; }
-# Valgrind always says that the CPU has rdtscp. libhwy, which comes with libavcodec, believes it.
+# Valgrind always reports that the CPU has rdtscp, and libhwy, which comes with libavcodec, relies on it.
 [ "$(uname -m)" != x86_64 ] || grep -qw rdtscp /proc/cpuinfo || { echo "skipped: this CPU has no rdtscp"; exit 76; }
 suppressions=/usr/share/glib-2.0/valgrind/glib.supp
 own=$(dirname "$0")/valgrind.supp

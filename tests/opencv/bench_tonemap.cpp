@@ -1,6 +1,6 @@
-/* bench_tonemap: createTonemapPupil and OpenCV's createTonemapReinhard in turns on the same frame of 1920 x 1080, from
+/* bench_tonemap: createTonemapPupil and OpenCV's createTonemapReinhard alternate on the same frame of 1920 x 1080, from
  * CV_32FC3 to CV_32FC3, each with its defaults; and for a display, to CV_8UC3: pupil_cv::Pupil, and Reinhard with a
- * gamma of 2.2 and convertTo. Fails where OpenCV's takes less than 4 times as long. */
+ * gamma of 2.2 and convertTo. Fails if OpenCV's takes less than 4 times as long. */
 #include "pupil/opencv.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ static double seconds(const std::function<void()> &call)
     return static_cast<double>(cv::getTickCount() - begin) / cv::getTickFrequency();
 }
 
-/* How many times as long OpenCV's takes: by the least times, because what else runs on the machine only adds. */
+/* How many times as long OpenCV's takes, by the minimum times, because other programs on the machine only add. */
 static double compare(const char *what, int threads, const std::function<void()> &pupil,
                       const std::function<void()> &opencv)
 {
@@ -49,7 +49,7 @@ static cv::Mat scene()
 
 int main()
 {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR); /* it warns of its own use of itself */
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR); /* OpenCV warns about its own code */
     const cv::Mat frame = scene();
     cv::Mat mine, theirs, codes;
     const cv::Ptr<cv::Tonemap> pupil = pupil_cv::createTonemapPupil(), opencv = cv::createTonemapReinhard(),

@@ -1,5 +1,5 @@
-/* make_inputs FOLDER: in.hdr, of 8 stops of light; in.avi, 50 frames whose codes double in the middle.
- * make_inputs FOLDER check: whether out.png and out.avi are what the examples should make of them. */
+/* make_inputs FOLDER: in.hdr, of 8 stops of light; in.avi, 50 frames whose codes double in the middle. make_inputs
+ * FOLDER check: whether out.png and out.avi are what the examples should have made. */
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,5 +1,5 @@
 /* pupil/opencv.hpp: each format from a Mat, whole and as a region, has the bits of the C functions on memory without
- * padding; what cannot be read throws and says what would be right; and Mats as people have them. */
+ * padding; what cannot be read throws and says what would be right; and typical Mats. */
 #include "pupil/opencv.hpp"
 
 #include <atomic>
@@ -74,7 +74,7 @@ static bool same(const cv::Mat &a, const cv::Mat &b)
     return true;
 }
 
-/* What C makes of memory without padding. */
+/* The result of the C functions on memory without padding. */
 static cv::Mat in_c(const cv::Mat &mat, uint32_t pixel, uint32_t width, uint32_t height, uint32_t out_pixel, int type,
                     const pupil_coding *coding = nullptr, const pupil_frame_info *info = nullptr)
 {
@@ -185,9 +185,9 @@ static void check_guesses()
     CHECK(b.exposure().metered_ev - a.exposure().metered_ev > 1.5); /* 0.2126 and 0.0722 */
 }
 
-/* --- Mats as people have them --- */
+/* --- typical Mats --- */
 
-/* Planes in one Mat whose rows are longer than the picture's. */
+/* Planes in one Mat with rows longer than the picture's. */
 static void check_padded(uint32_t pixel)
 {
     const bool whole = pixel == PUPIL_PIXEL_I444_16;
@@ -257,7 +257,7 @@ static void check_odd()
     in_place = light.clone();
     pupil_cv::Pupil().process(in_place, in_place); /* to another type */
     CHECK(same(in_place, wanted));
-    /* longer rows than the library's buffer, and the picture a pixel further on */
+    /* rows longer than the library's buffer, and the picture one pixel further right */
     cv::Mat both = random_mat(8, 3001, CV_32FC3), here = both.colRange(0, 3000), shifted = both.colRange(1, 3001);
     const cv::Mat before = here.clone();
     pupil_cv::Pupil().process(here, shifted, floats);
@@ -316,7 +316,7 @@ static void check_odd()
 
 /* --- threads --- */
 
-/* Three frames, of which the second is dark, by a program in C. */
+/* Three frames, the second one dark, by a program in C. */
 static std::vector<cv::Mat> three_in_c(const cv::Mat &mat, uint32_t pixel, const pupil_config &config,
                                        pupil_exposure *exposure)
 {
@@ -395,7 +395,7 @@ static void check_tonemap()
     CHECK(!same(again, picture)); /* a video: it adapts */
     tonemap->clear();
     tonemap->process(light * 4.0, again);
-    CHECK(same(again, picture)); /* stills, of which the light does not matter */
+    CHECK(same(again, picture)); /* stills: their light does not matter */
     tonemap->setGamma(2.2f);
     tonemap->clear();
     tonemap->process(light, again);
