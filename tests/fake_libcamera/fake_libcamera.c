@@ -17,7 +17,7 @@ struct fake_libcamera {
     pupil_libcamera_layer layer;
     int64_t now_ns;
     double light;
-    uint64_t frame; /* that is exposed now; it is complete at the end of its period */
+    uint64_t frame; /* the frame being exposed; it is complete at the end of its period */
     double exposure_s[FRAMES], gain[FRAMES];
     int automatic, opened, running, unplugged;
     uint64_t handed_out, asked, queued;
@@ -95,7 +95,7 @@ static void back(fake_libcamera *f, uint32_t index, int cancelled, uint64_t fram
     const int says = c->sensor && !c->no_metadata && !cancelled;
     pupil_libcamera_done d = {.index = index, .cancelled = cancelled, .black = -1.0};
     d.sequence = (uint32_t)frame;
-    d.stamp_ns = end_of(f, frame) - (c->sensor ? 0 : period_ns(f)); /* webcams: of its start */
+    d.stamp_ns = end_of(f, frame) - (c->sensor ? 0 : period_ns(f)); /* webcams: of the frame's start */
     d.used[0] = (size_t)row_bytes(f) * c->height;
     d.used[1] = c->fourcc == V4L2_PIX_FMT_NV12 ? f->buffer[index].bytes[1] : 0;
     if (says) {

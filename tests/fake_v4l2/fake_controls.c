@@ -1,4 +1,4 @@
-/* tests/fake_v4l2/fake_controls.c: exposure and gain of the fake camera, as a webcam has them. */
+/* tests/fake_v4l2/fake_controls.c: exposure and gain of the fake camera, as of a webcam. */
 #include "fake_v4l2_private.h"
 
 #include <errno.h>
@@ -80,7 +80,7 @@ static int query_menu(struct v4l2_querymenu *m)
     return 0;
 }
 
-/* What the driver takes: integers are clamped, menus refused. -1: no such control, or item. */
+/* The value that the driver takes: integers are clamped, menus refused. -1: no such control or item. */
 static int settle(uint32_t id, int32_t *value)
 {
     const size_t i = find(id);
@@ -123,7 +123,7 @@ static int several(fake_v4l2 *f, struct v4l2_ext_controls *all, int set, int try
     return 0;
 }
 
-/* What a sensor's driver says of its lines, which is only read, one at a time: 1: not asked for. */
+/* A sensor driver's read-only controls for its lines, one at a time. 1: not one of them. */
 static int line_ioctl(const fake_v4l2 *f, unsigned long request, void *argument)
 {
     struct v4l2_query_ext_ctrl *q = argument;

@@ -8,7 +8,7 @@
 #include "pupil/image.h"
 #include "v4l2/format.h"
 
-/* Smooth ramps that move, and some noise; whole numbers, so the same everywhere. */
+/* Smooth moving ramps and some noise; in integers, so the same on every machine. */
 uint32_t fake_v4l2_scene(uint64_t seed, uint32_t sequence, uint32_t x, uint32_t y, uint32_t channel)
 {
     const uint32_t qx = x / 2, qy = y / 2;
@@ -23,7 +23,7 @@ double fake_v4l2_lamp(const fake_v4l2_picture *p, uint32_t y)
 {
     const double pi = 3.14159265358979324, half = pi * p->lamp_hz * p->exposure_s;
     const double middle_s = p->end_s - p->readout_s * (1.0 - (y + 0.5) / p->height) - 0.5 * p->exposure_s;
-    const double left = half > 0.0 ? sin(half) / half : 1.0; /* of a wave that the exposure averages */
+    const double left = half > 0.0 ? sin(half) / half : 1.0; /* the part of a wave that the exposure averages */
     return 1.0 + p->modulation * left * cos(2.0 * pi * p->lamp_hz * middle_s);
 }
 
@@ -33,7 +33,7 @@ typedef struct drawing {
     double lamp;         /* the light on them */
     unsigned char *data, *chroma, *cr;
     uint32_t code[3][1024];  /* of a channel's value of the scene */
-    double encoded[3][1024]; /* the same before it is rounded, 0..1 */
+    double encoded[3][1024]; /* the same before rounding, 0..1 */
     uint32_t bits, red_x, red_y;
 } drawing;
 
@@ -76,7 +76,7 @@ static unsigned char *row_of(const drawing *d, uint32_t y)
     return d->data + (size_t)y * d->p->stride_bytes[0];
 }
 
-/* Samples of one channel a pixel, packed or in bytes or in words; `colours`: a mosaic. */
+/* One channel per pixel, packed, in bytes or in words; `colours`: a mosaic. */
 static void draw_samples(const drawing *d, int colours, int packed)
 {
     for (uint32_t y = d->first; y < d->end; y++) {
@@ -120,7 +120,7 @@ static void to_yuv(const drawing *d, uint32_t x, uint32_t y, uint32_t yuv[3])
     yuv[2] = (uint32_t)fmin(all, 128 * one + (full ? all : 224 * one) * cr + 0.5);
 }
 
-/* Y' in the first of each two bytes, or in the second one. */
+/* Y' in the first or in the second of each two bytes. */
 static void draw_packed_yuv(const drawing *d, uint32_t luma_at)
 {
     for (uint32_t y = d->first; y < d->end; y++) {
@@ -131,7 +131,7 @@ static void draw_packed_yuv(const drawing *d, uint32_t luma_at)
             row[2 * x + luma_at] = (unsigned char)yuv[0];
             row[x / 2 * 4 + 1 - luma_at] = (unsigned char)yuv[1];
             row[x / 2 * 4 + 3 - luma_at] = (unsigned char)yuv[2];
-            if (x % 2 == 0) /* of an odd width the last pixel is used for two */
+            if (x % 2 == 0) /* for an odd width the last pixel counts twice */
                 row[2 * x + 2 + luma_at] = (unsigned char)yuv[0];
         }
     }

@@ -1,4 +1,4 @@
-/* tests/fake_v4l2/fake_jpeg.c: the fake camera's picture as the JPEGs that a webcam makes. */
+/* tests/fake_v4l2/fake_jpeg.c: the fake camera's picture as JPEGs like a webcam's. */
 #include <linux/videodev2.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +35,7 @@ static int fill(const fake_v4l2_picture *picture, AVFrame *frame)
     return 0;
 }
 
-/* Its tables are the standard's, which cameras leave out: without the segments that define them. */
+/* Its tables are the standard ones; cameras leave out the segments that define them, and so does this. */
 static uint32_t leave_out_tables(const AVPacket *packet, unsigned char *to, uint32_t room)
 {
     const uint32_t size = (uint32_t)packet->size;
@@ -69,7 +69,7 @@ static AVCodecContext *open_encoder(const fake_v4l2_picture *picture)
     encoder->pix_fmt = AV_PIX_FMT_YUVJ422P;
     encoder->time_base = (AVRational){1, 30};
     encoder->flags = AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_BITEXACT;
-    encoder->global_quality = FF_QP2LAMBDA; /* the best that it has */
+    encoder->global_quality = FF_QP2LAMBDA; /* its best quality */
     encoder->qmin = 1;
     encoder->thread_count = 1;
     av_opt_set(encoder->priv_data, "huffman", "default", 0);

@@ -1,4 +1,4 @@
-/* In place of fake_jpeg.c in a build without libav: frames of MJPG are empty. */
+/* Replaces fake_jpeg.c in a build without libav: MJPG frames are empty. */
 #include "fake_v4l2_private.h"
 
 uint32_t fake_jpeg(const fake_v4l2_picture *picture, unsigned char *to, uint32_t room)

@@ -51,7 +51,7 @@ static int topology(const fake_v4l2 *f, struct media_v2_topology *t)
     return 0;
 }
 
-/* All of them send 64x48; where something is to differ it is 320x240, or RGB. */
+/* All pads have 64x48; one that is to differ has 320x240, or RGB. */
 static int pad_format(const fake_v4l2 *f, int kind, struct v4l2_subdev_format *s)
 {
     const uint32_t media = f->config.media;
@@ -67,7 +67,7 @@ static int pad_format(const fake_v4l2 *f, int kind, struct v4l2_subdev_format *s
     return 0;
 }
 
-/* What a pad would make of a format: the receiver takes raw formats only. */
+/* How a pad adjusts a format: the receiver takes raw formats only. */
 static int try_format(const fake_v4l2 *f, int kind, struct v4l2_subdev_format *s)
 {
     if (s->which != V4L2_SUBDEV_FORMAT_TRY)

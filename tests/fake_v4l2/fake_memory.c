@@ -1,6 +1,6 @@
 /* tests/fake_v4l2/fake_memory.c: memory that is read slowly, dma-heaps and their dma-bufs.
  *
- * A dma-buf has what the camera wrote only after its sync: who reads without one sees what was there before. */
+ * A dma-buf has what the camera wrote only after its sync: a read without one sees the old contents. */
 #include "fake_v4l2_private.h"
 
 #include <errno.h>
@@ -54,7 +54,7 @@ int fake_heap_ioctl(fake_v4l2 *f, int kind, unsigned long request, void *argumen
     return 0;
 }
 
-/* What the camera wrote arrives in the dma-buf. */
+/* Copies what the camera wrote into the dma-buf. */
 static int arrive(const fake_v4l2 *f, int fd)
 {
     for (uint32_t i = 0; i < f->buffers; i++)

@@ -1,4 +1,4 @@
-/* tests/fake_v4l2/fake_modes.c: what the fake camera is, and which formats, sizes and rates it has. */
+/* tests/fake_v4l2/fake_modes.c: the fake camera's identity, and its formats, sizes and rates. */
 #include "fake_v4l2_private.h"
 
 #include <errno.h>
@@ -96,7 +96,7 @@ int fake_enum_sizes(const fake_v4l2 *f, struct v4l2_frmsizeenum *s)
     s->type = V4L2_FRMSIZE_TYPE_DISCRETE;
     s->discrete.width = only ? f->width : sizes[s->index].width;
     s->discrete.height = only ? f->height : sizes[s->index].height;
-    if (!only && s->pixel_format == V4L2_PIX_FMT_Y16) { /* one that is made to any size */
+    if (!only && s->pixel_format == V4L2_PIX_FMT_Y16) { /* a format that can have any size */
         if (s->index)
             return fake_fail(EINVAL);
         s->type = V4L2_FRMSIZE_TYPE_STEPWISE;
@@ -142,7 +142,7 @@ void fake_layout(const fake_v4l2 *f, uint32_t stride[PUPIL_V4L2_MOST_AREAS], uin
         stride[i] = i && areas == 1 ? stride[0] / (planes == 3 ? 2 : 1) : row + extra;
         size[areas > 1 ? i : 0] += stride[i] * rows;
     }
-    if (f->fourcc == V4L2_PIX_FMT_MJPEG) { /* noise can be larger than it was */
+    if (f->fourcc == V4L2_PIX_FMT_MJPEG) { /* noise can exceed its former size */
         stride[0] = 0;
         size[0] = 4096 + f->width * f->height * 4;
     }
@@ -187,12 +187,12 @@ static void describe_single(const fake_v4l2 *f, struct v4l2_pix_format *p)
     p->ycbcr_enc = f->config.ycbcr_enc;
 }
 
-/* A size that it has: the one whose width is nearest. */
+/* The supported size with the nearest width. */
 static void take_size(fake_v4l2 *f, uint32_t width, uint32_t height)
 {
     uint32_t best = 0, best_off = UINT32_MAX;
     if (f->config.width)
-        return; /* as it is */
+        return; /* unchanged */
     if (f->fourcc == V4L2_PIX_FMT_Y16 && width >= 32 && width <= 320 && height >= 24 && height <= 240) {
         f->width = width;
         f->height = height;

@@ -127,7 +127,7 @@ void *fake_output_mmap(fake_v4l2 *f, size_t bytes, off_t offset)
     return memory == MAP_FAILED ? NULL : memory;
 }
 
-/* A frame on the screen; it may be the one at which the monitor goes. */
+/* Shows a frame; at this one the monitor may be unplugged. */
 static int show(fake_v4l2 *f, const void *data, uint32_t bytes)
 {
     fake_output *o = &f->output;
@@ -145,7 +145,7 @@ static int show(fake_v4l2 *f, const void *data, uint32_t bytes)
     return 0;
 }
 
-/* One frame period after the other, beginning when it was queued. */
+/* One frame after another, from when it was queued. */
 static int queue_buffer(fake_v4l2 *f, struct v4l2_buffer *b)
 {
     fake_output *o = &f->output;

@@ -85,7 +85,7 @@ static void fill(fake_v4l2 *f, fake_buffer *b, uint32_t sequence, int64_t end_ns
         b->used[k] = size[k];
 }
 
-/* A frame goes into the buffer that waits longest. */
+/* A frame goes into the buffer that has waited longest. */
 static void hand_out(fake_v4l2 *f, uint32_t sequence, int64_t stamp_ns)
 {
     static const uint32_t stamps[] = {V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF,
@@ -141,7 +141,7 @@ void fake_produce(fake_v4l2 *f)
         if (is_at(f->config.change_at, f->made)) {
             f->config.change_at = 0; /* once */
             post(f, V4L2_EVENT_SOURCE_CHANGE);
-            f->width = f->config.height ? f->height : 32; /* what the buffers still have is the old size */
+            f->width = f->config.height ? f->height : 32; /* buffers still have the old size */
             f->height = f->config.height ? width : 24;
             f->ended = 1;
             return;
@@ -307,7 +307,7 @@ static int start_stream(fake_v4l2 *f)
     f->streaming = 1;
     f->start_ns = f->now_ns;
     f->made = 0;
-    for (int i = 0; i < FAKE_SETTINGS; i++) /* what was set before is in force from the first frame on */
+    for (int i = 0; i < FAKE_SETTINGS; i++) /* earlier settings are in force from the first frame on */
         f->of_frame[i] = f->settings;
     return 0;
 }
@@ -333,7 +333,7 @@ static int subscribe(fake_v4l2 *f, const struct v4l2_event_subscription *s)
     return 0;
 }
 
-/* What only the owner of the stream may ask for. */
+/* Requests that only the owner of the stream may make. */
 static int owner_ioctl(fake_v4l2 *f, int fd, unsigned long request, void *argument)
 {
     switch (request) {

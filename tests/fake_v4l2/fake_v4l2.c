@@ -13,7 +13,7 @@
 
 static const fake_settings usual_settings = {1, 100, 16, 0};
 
-#define CALL_NS 1000 /* what a call takes */
+#define CALL_NS 1000 /* the time that a call takes */
 
 int fake_fail(int error)
 {
@@ -28,7 +28,7 @@ static int64_t machine_ns(void)
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
-/* Its format and size where it has one of each alone. */
+/* Its format and size if it has only one of each. */
 static void set_up(fake_v4l2 *f)
 {
     f->fourcc = f->config.only_format ? f->config.only_format : f->fourcc;
@@ -44,7 +44,7 @@ static void pass(fake_v4l2 *f, int64_t ns)
         f->back_ns = 0;
         set_up(f);
         f->node = f->config.back_as;
-        f->settings = usual_settings; /* it had no power */
+        f->settings = usual_settings; /* it had lost power */
         f->config.unplug_at = 0;      /* once */
     }
     fake_produce(f);
@@ -126,7 +126,7 @@ static int share(fake_v4l2 *f, struct v4l2_exportbuffer *e)
     return e->fd < 0 ? -1 : 0;
 }
 
-/* While others go on. */
+/* While other threads continue. */
 static void sleep_in_write(fake_v4l2 *f)
 {
     const double s = f->config.sleep_s;
@@ -328,7 +328,7 @@ static int fake_device_name(void *context, uint32_t major, uint32_t minor, char 
     return fake_media_name(context, major, minor, name, name_bytes);
 }
 
-/* --- its life --- */
+/* --- creation and end --- */
 
 void fake_unplug(fake_v4l2 *f)
 {

@@ -1,4 +1,4 @@
-/* tests/fake_v4l2/fake_v4l2_private.h: what the fake's files share. */
+/* tests/fake_v4l2/fake_v4l2_private.h: shared by the fake's files. */
 #ifndef PUPIL_TESTS_FAKE_V4L2_PRIVATE_H
 #define PUPIL_TESTS_FAKE_V4L2_PRIVATE_H
 
@@ -11,7 +11,7 @@
 #define FAKE_MOST_FILES   96
 #define FAKE_MOST_BUFFERS 32
 #define FAKE_MOST_EVENTS  8
-#define FAKE_SETTINGS     8 /* frames back that settings are remembered */
+#define FAKE_SETTINGS     8 /* for how many past frames settings are kept */
 
 typedef enum fake_kind {
     FAKE_CAMERA = 1,
@@ -29,8 +29,8 @@ typedef enum fake_kind {
 typedef struct fake_file {
     int fd, kind; /* kind 0: none */
     int gone;     /* opened before the unplugging */
-    int heap;     /* a dma-buf: the kind of its heap; 0: the camera's own buffer */
-    int reading;  /* a dma-buf: between two syncs */
+    int heap;     /* of a dma-buf: the kind of its heap; 0: the camera's own buffer */
+    int reading;  /* of a dma-buf: between two syncs */
 } fake_file;
 
 typedef struct fake_buffer {
@@ -63,7 +63,7 @@ typedef struct fake_output {
     double fps; /* as it was set */
     fake_output_buffer buffer[FAKE_OUTPUT_BUFFERS];
     uint32_t buffers, order[FAKE_OUTPUT_BUFFERS], waiting;
-    int owner; /* the fd that has the buffers; -1 */
+    int owner; /* the fd that owns the buffers; -1 */
     int streaming, gone;
     int64_t last_ns; /* the end of the last frame's time on the screen */
     unsigned char *shown;
@@ -90,12 +90,12 @@ struct fake_v4l2 {
     int cached;                                            /* they were allocated as NON_COHERENT */
     void *slow[FAKE_MOST_BUFFERS * PUPIL_V4L2_MOST_AREAS]; /* maps that are read slowly */
     int unsynced;
-    int owner;                                      /* the fd that has the buffers; -1 */
+    int owner;                                      /* the fd that owns the buffers; -1 */
     uint32_t order[FAKE_MOST_BUFFERS], waiting;     /* queued, the first to be filled first */
     uint32_t ready[FAKE_MOST_BUFFERS], ready_count; /* done, the first to be taken first */
     int streaming, broken, ended;
     int64_t start_ns;
-    uint64_t made;   /* frames since STREAMON, lost ones too */
+    uint64_t made;   /* frames since STREAMON, including lost ones */
     uint64_t writes; /* of controls */
 
     uint32_t events[FAKE_MOST_EVENTS], event_count, subscribed;
@@ -125,7 +125,7 @@ int64_t fake_next_ns(const fake_v4l2 *f); /* when the next one is; INT64_MAX: ne
 void fake_free_buffers(fake_v4l2 *f);
 void fake_unplug(fake_v4l2 *f);
 
-/* fake_controls.c; 1: not a control's */
+/* fake_controls.c; 1: not a request for controls */
 int fake_controls_ioctl(fake_v4l2 *f, unsigned long request, void *argument);
 
 /* fake_memory.c */
@@ -138,7 +138,8 @@ void fake_note_map(fake_v4l2 *f, void *memory);
 void fake_forget_map(fake_v4l2 *f, const void *memory);
 int64_t fake_read_ns(void *context, const void *memory, size_t bytes);
 
-/* fake_jpeg.c: the picture as a webcam's JPEG of 4:2:2, without Huffman tables. Its bytes; 0: it cannot be made. */
+/* fake_jpeg.c: the picture as a webcam's JPEG of 4:2:2, without Huffman tables. Returns its size in bytes; 0: it cannot
+ * be made. */
 uint32_t fake_jpeg(const fake_v4l2_picture *picture, unsigned char *to, uint32_t room);
 
 /* fake_output.c */

@@ -1,4 +1,4 @@
-/* tests/fuzz/fuzz.h: what several fuzzers need: a place for their first inputs, and a look at every pixel. */
+/* tests/fuzz/fuzz.h: shared by several fuzzers: the folder for their first inputs, and a read of every pixel. */
 #ifndef PUPIL_TESTS_FUZZ_H
 #define PUPIL_TESTS_FUZZ_H
 
@@ -6,8 +6,8 @@
 
 #include "pupil/pupil.h"
 
-/* The first corpus folder of libFuzzer's arguments, which gets what bytes alone do not find; NULL: none was given, as
- * where a single input is tried again. */
+/* The first corpus folder in libFuzzer's arguments, for inputs that random bytes do not find; NULL: none was given, for
+ * example when a single input is tried again. */
 static inline const char *fuzz_corpus(int argc, char **argv)
 {
     struct stat s;
@@ -17,7 +17,7 @@ static inline const char *fuzz_corpus(int argc, char **argv)
     return NULL;
 }
 
-/* Meters all of an image, so that the sanitizer sees a pixel that is not there. 0: the library takes it. */
+/* Meters a whole image, so that the sanitizer sees a pixel out of bounds. 0: the library accepts it. */
 static inline int fuzz_meter(const pupil_image_const *image, pupil_stats *stats)
 {
     pupil_config config;

@@ -1,8 +1,8 @@
 #!/bin/sh
 # fuzz.sh PROGRAM SECONDS: runs a libFuzzer program, with the words of its format (tests/fuzz/words). It begins with
-# tests/fuzz/seeds/NAME where that folder is, with what earlier runs of the same build kept, and with the shared folder's
-# files where that is ($PUPIL_SHARED, else ../shared beside the checkout). An input that takes over 10 s or 2 GB counts
-# as a finding.
+# tests/fuzz/seeds/NAME if that folder exists, with the inputs kept by earlier runs of the same build, and with the
+# shared folder's files if it exists ($PUPIL_SHARED, else ../shared next to the checkout). An input that takes over 10 s
+# or 2 GB counts as a finding.
 set -eu
 program=$1 seconds=$2
 name=$(basename "$program")
@@ -19,7 +19,7 @@ fuzz_pfm) folders="pnm_pfm valid_but_unusual/pfm" ;;
 fuzz_png) folders="png valid_but_unusual/png16" ;;
 *) folders= ;;
 esac
-# What the tree itself has of these texts.
+# Texts of this kind from the tree itself.
 tree=$(dirname "$0")/../..
 case $name in
 fuzz_recipe) set -- "$@" "$tree/fixtures/scenes" "$tree/tests/scene" ;;

@@ -1,6 +1,6 @@
-/* Any config, any image, any order of calls. The bytes of the input choose all of it; what must hold, whatever they
- * are: no crash, nothing written outside an output, refused calls leave everything as it was, the level is finite and
- * within the limits, a frame in pieces is the frame.
+/* Any config, any image, any order of calls. The input's bytes choose all of it. For any bytes: no crash, nothing
+ * written outside an output, refused calls change nothing, the level is finite and within the limits, and a frame in
+ * pieces gives the same result as the whole frame.
  */
 #include "fuzz_picture.h"
 #include "pupil/bloom.h"
@@ -16,7 +16,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 typedef struct run {
     pupil_t pupil;
     pupil_config config;
-    double ev_min, ev_max; /* the widest limits since init: a retune leads the level into new ones, it does not jump */
+    double ev_min, ev_max; /* the widest limits since init: a retune moves the level into new ones, without a jump */
     int alive, in_frame;
     uint32_t frame_width, frame_height;
 } run;
@@ -83,7 +83,7 @@ static pupil_frame_info take_info(void)
     return info;
 }
 
-/* Any int that is no image: one field of a good one is spoilt. */
+/* An invalid image: one field of a valid one is overwritten with any int. */
 static void spoil(pupil_image *image)
 {
     switch (take_below(6)) {
@@ -118,7 +118,7 @@ static void check_exposure(const run *r)
     MUST(error == (e.frames ? PUPIL_OK : PUPIL_ERR_NO_EXPOSURE));
     if (error)
         return;
-    /* the level is kept in 2^-52 stops */
+    /* the level has a resolution of 2^-52 stops */
     MUST(e.adapted_ev >= r->ev_min - 0x1p-52 && e.adapted_ev <= r->ev_max + 0x1p-52);
     MUST(isfinite(e.metered_ev) && isfinite(e.white_ev) && isfinite(e.scale) && e.scale > 0);
     MUST(curve.knots == 0 || (curve.knots == PUPIL_CURVE_KNOTS && curve.knot_scale > 0 && isfinite(curve.knot_scale)));
@@ -136,7 +136,7 @@ static void check_refused(const run *before, const run *after, int error)
     MUST(error == PUPIL_OK || memcmp(&before->pupil, &after->pupil, sizeof after->pupil) == 0);
 }
 
-/* How many rows of the input a group of them is a multiple of. */
+/* Groups of input rows must be a multiple of this. */
 static uint32_t together(const picture *in, const picture *out)
 {
     const uint32_t pair = pupil_pixel_planes(out->image.pixel) > 1 || pupil_pixel_planes(in->image.pixel) > 1 ? 2 : 1;
@@ -144,7 +144,7 @@ static uint32_t together(const picture *in, const picture *out)
     return is_mosaic(in->image.pixel) && pair * smaller < 2 ? 2 : pair * smaller;
 }
 
-/* What pupil_process made of a frame from the state `before`: the same in pieces, then mapped by itself. */
+/* The result of pupil_process on a frame from the state `before`: the same in pieces, then only mapped. */
 static void check_pieces(run *before, const run *after, const picture *in, const picture *out,
                          const pupil_frame_info *info)
 {
@@ -183,7 +183,7 @@ static void check_pieces(run *before, const run *after, const picture *in, const
     picture_free(&both);
 }
 
-/* A frame at once; then, from the same state, in pieces: the same statistics, level and picture. */
+/* A whole frame; then, from the same state, in pieces: the same statistics, level and picture. */
 static void do_process(run *r)
 {
     picture in = picture_in(1 + take_below(SIDE), 1 + take_below(SIDE)), out = picture_out(&in);
@@ -270,12 +270,12 @@ static void do_retune(run *r)
     check_exposure(r);
 }
 
-/* Statistics of any bytes are refused, or they are adapted to and added up without harm. */
+/* Statistics of any bytes are refused, or can be adapted to and added up without harm. */
 static void do_stats(run *r)
 {
     static struct {
         pupil_stats s;
-        unsigned char beyond[8192]; /* size_bytes may be any number: what it covers must be there */
+        unsigned char beyond[8192]; /* size_bytes may be any number: that much memory must exist */
     } any;
     static pupil_stats sum, sum_before;
     static run before;

@@ -1,10 +1,10 @@
-/* Any text as a simulated camera: refused by a sentence, or a camera whose own words make the same camera again. */
+/* Any text as a simulated camera: refused by a sentence, or a camera whose text makes the same camera again. */
 #include "plant.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

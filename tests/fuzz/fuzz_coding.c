@@ -1,6 +1,6 @@
-/* Every format with every coding, which are chosen by the first bytes of the input, so that none is rare: scalar
- * kernels and those of the best level of this CPU agree bit for bit, in statistics, level and picture; so do a frame
- * and its parts; nothing is read or written outside of the rows; a coding is refused as pupil_coding_check says.
+/* Every format with every coding, chosen by the input's first bytes, so that none is rare: scalar kernels and those of
+ * this CPU's best level agree bit for bit in statistics, level and picture; so do a frame and its parts; nothing is
+ * read or written outside the rows; a coding is refused exactly if pupil_coding_check says so.
  */
 #include "fuzz_picture.h"
 

@@ -9,7 +9,7 @@
 
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 
-/* Bytes alone find no TIFF: the first corpus folder gets a mosaic and a linear DNG to begin with. */
+/* Random bytes do not find a TIFF: the first corpus folder gets a mosaic and a linear DNG to begin with. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     static uint8_t bytes[1 << 14];

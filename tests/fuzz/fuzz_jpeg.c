@@ -1,5 +1,5 @@
-/* Frames of MJPG under libFuzzer: as they are, or (every other one) edits of a whole one, so that what is behind the
- * headers is reached. The decoder is kept from input to input of one size, as a camera's is. */
+/* MJPG frames under libFuzzer: the input itself, or (every other time) edits of a valid frame, so that code behind the
+ * headers is reached. The decoder is kept for inputs of one size, as for a camera. */
 #include "drivers/file/write_jpeg.h"
 
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 #define MOST_SIDE_PX 512
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 static pupil_jpeg *decoder(uint32_t width, uint32_t height)

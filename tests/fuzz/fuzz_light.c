@@ -1,11 +1,11 @@
-/* Any text as a light script: refused by a sentence, or light that is a number at any time. */
+/* Any text as a light script: refused by a sentence, or light that is finite at any time. */
 #include "light_script.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

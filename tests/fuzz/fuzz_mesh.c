@@ -1,4 +1,4 @@
-/* Any bytes as a mesh file: triangles whose corners are there, or a sentence. */
+/* Any bytes as a mesh file: triangles whose corners exist, or a sentence. */
 #include "mesh.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -1,5 +1,5 @@
-/* fuzz_picture.h: what the input's bytes choose: numbers, and pictures of every format with their codings. Input has
- * not a byte outside of its rows, for a sanitizer to see; output has guards of its own between its rows, too.
+/* fuzz_picture.h: numbers, and pictures of every format with their codings, chosen by the input's bytes. Inputs have no
+ * byte outside their rows, so that a sanitizer sees reads beyond; outputs also have guards between their rows.
  */
 #ifndef PUPIL_TESTS_FUZZ_PICTURE_H
 #define PUPIL_TESTS_FUZZ_PICTURE_H
@@ -36,7 +36,7 @@ static uint32_t take_below(uint32_t n)
     return n ? u % n : 0;
 }
 
-/* Mostly values near the ones that matter; sometimes any bits. */
+/* Mostly values near interesting ones; sometimes any bits. */
 static double take_double(double low, double high)
 {
     static const double odd[] = {0, -1, NAN, INFINITY, -INFINITY, 1e300, 1e-300, 1};
@@ -145,7 +145,7 @@ static void picture_guarded(const picture *p)
     plane_guarded(&p->cr);
 }
 
-/* Another one of the same shape, empty. */
+/* Another picture of the same shape, empty. */
 static picture picture_like(const picture *p)
 {
     picture q = *p;
@@ -175,7 +175,7 @@ static int picture_same(const picture *a, const picture *b)
            (!a->image.cr || memcmp(a->cr.memory, b->cr.memory, plane_bytes(&a->cr)) == 0);
 }
 
-/* Mostly one that the format can have. */
+/* Mostly one that is valid for the format. */
 static pupil_coding take_coding(uint32_t pixel)
 {
     const uint32_t bits = pupil_pixel_bits(pixel);
@@ -206,7 +206,7 @@ static pupil_coding take_coding(uint32_t pixel)
     return c;
 }
 
-/* Any input of about this size; the width is kept where its format can have it. */
+/* Any input of about this size; the width is kept if its format allows it. */
 static inline picture picture_in(uint32_t width, uint32_t height)
 {
     const uint32_t pixel = PUPIL_PIXEL_RGBA32F + take_below(PUPIL_PIXEL_COUNT - 1);
@@ -223,7 +223,8 @@ static inline picture picture_in(uint32_t width, uint32_t height)
     return p;
 }
 
-/* Any output for it, of half its size where that can be; and the codings of both, which stay where the pictures do. */
+/* Any output for it, sometimes of half its size if possible; and the codings of both, which live as long as the
+ * pictures. */
 static inline picture picture_out(picture *in)
 {
     static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,   PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,

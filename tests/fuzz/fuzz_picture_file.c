@@ -1,5 +1,5 @@
-/* JPEG, TIFF, WebP and BMP, which libav reads, under libFuzzer. Pictures are as small as the bytes allow that a file of
- * theirs would have. */
+/* JPEG, TIFF, WebP and BMP, which libav reads, under libFuzzer. Pictures are limited to the size that files of so few
+ * bytes usually have. */
 #include "file/still/still.h"
 
 static int read_small(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)

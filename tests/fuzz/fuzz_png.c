@@ -1,9 +1,9 @@
 /* The reader of PNG under libFuzzer. Most changed bytes would only spoil a chunk's checksum: three of four inputs get
- * theirs put right, so that what is behind it is reached. */
+ * theirs corrected, so that the code behind the check is reached. */
 #define READER pupil_read_png
 #include "fuzz_still.h"
 
-/* libFuzzer's own mutation, and the place where it asks for ours. */
+/* libFuzzer's own mutation, and its hook for ours. */
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned int seed);
 

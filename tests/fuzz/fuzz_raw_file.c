@@ -1,5 +1,5 @@
-/* A raw file under libFuzzer: its keys up to the first line feed, then what the file has. Frames are whole and can be
- * metered, or are damaged with a sentence, but no byte beyond the file is read. */
+/* A raw file under libFuzzer: its keys up to the first line feed, then the file's bytes. Frames are complete and can be
+ * metered, or are damaged with a sentence, and no byte beyond the file is read. */
 #include "raw/raw_source.h"
 
 #include <stdio.h>
@@ -16,7 +16,7 @@
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-/* Random bytes are hardly ever keys: the first corpus folder gets a file of each family of formats to begin with. */
+/* Random bytes are hardly ever keys: the first corpus folder begins with a file of each family of formats. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     static const char *const keys[] = {"format=RG10,size=8x6,black=64",
@@ -44,7 +44,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     return 0;
 }
 
-/* Each pixel is there: the sanitizer sees a read beyond the frame. */
+/* Reads each pixel: the sanitizer sees a read beyond the frame. */
 static void abort_unless_metered(const pupil_image_const *image)
 {
     static pupil_stats stats;

@@ -1,10 +1,10 @@
-/* The keys of raw:FILE,... under libFuzzer: what is taken describes frames that fit their bytes. */
+/* The keys of raw:FILE,... under libFuzzer: accepted keys describe frames that fit their bytes. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "raw/raw_source.h"
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 static size_t end_of(const void *data, ptrdiff_t stride, size_t row, uint32_t rows)
@@ -28,7 +28,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
             abort(); /* a refusal without a sentence */
         return 0;
     }
-    /* As if its frame were in memory from the address 64 on: nothing is read. */
+    /* As if its frame were in memory at address 64: nothing is read. */
     const size_t frame = pupil_raw_layout_image(&layout, (const void *)(uintptr_t)64, &image);
     const size_t chroma_row = pupil_chroma_row_bytes(layout.pixel, layout.width);
     const uint32_t chroma_rows = pupil_chroma_rows(layout.pixel, layout.height);

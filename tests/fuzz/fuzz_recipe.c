@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
@@ -20,7 +20,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (failed && strncmp(why.text, "fuzz", 4) != 0)
         abort();
     if (!failed && (!recipe.views || !recipe.width || !recipe.height || !(recipe.fps > 0.0)))
-        abort(); /* not what its users take for granted */
+        abort(); /* not what its users rely on */
     fixture_recipe_free(&recipe);
     free(text);
     return 0;

@@ -1,5 +1,5 @@
 /* A recording's three files under libFuzzer: recording.json, a zero byte, frames.jsonl, a zero byte, frames.mkv. Frames
- * are whole, or there is a sentence. */
+ * are complete, or there is a sentence. */
 #include "file/recording/recording.h"
 
 #include <stdio.h>
@@ -76,7 +76,7 @@ static void keep(const char *corpus, const char *name)
         abort();
 }
 
-/* Bytes alone are no recording: the first corpus folder gets two to begin with. */
+/* Random bytes do not make a recording: the first corpus folder begins with two. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     const pupil_coding bayer = {.bayer = PUPIL_BAYER_RGGB, .black = 64.0f};

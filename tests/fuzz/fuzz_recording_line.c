@@ -1,10 +1,11 @@
-/* Any text as a line of a recording's frames.jsonl: taken, and then the same once it is written and read again. */
+/* Any text as a line of a recording's frames.jsonl: if it is accepted, it is the same once it is written and read
+ * again. */
 #include "file/recording/recording_format.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -1,5 +1,5 @@
-/* Any text as the file of --resume: refused by a sentence with its name, or read; and what is then written in its place
- * is read without damage, has the camera's new total and the other cameras' lines, and stays the same from then on. */
+/* Any text as the file of --resume: refused by a sentence with its name, or read. Then the file that replaces it is
+ * read without damage, has the camera's new total and the other cameras' lines, and does not change any more. */
 #include "run/kept.h"
 
 #include <stdint.h>
@@ -17,10 +17,10 @@ typedef struct written {
     size_t size;
 } written;
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-/* What would take the place of a file with these bytes. -1: it is refused. */
+/* The text that would replace a file with these bytes. -1: it is refused. */
 static int replace(const void *bytes, size_t size, run_kept *kept, written *to)
 {
     pupil_why why = {""};

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Called by libFuzzer, which declares it nowhere. */
+/* Called by libFuzzer, which has no declaration for it. */
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     }
     if (still.width < 1 || still.width > PUPIL_MAX_SIDE_PX || still.height < 1 || still.height > PUPIL_MAX_SIDE_PX ||
         (uint64_t)still.width * still.height * pupil_pixel_bytes(still.pixel) > still.capacity_bytes)
-        abort(); /* a picture that its consumer may not touch */
+        abort(); /* a picture that its consumer cannot use */
     if (still.capacity_bytes > (size_t)1 << 24)
         pupil_still_free(&still); /* so that the next overrun is near its buffer's end */
     return 0;

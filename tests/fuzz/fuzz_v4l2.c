@@ -1,6 +1,6 @@
-/* A driver's answers under libFuzzer: the fake camera's, in which some bytes are others, or in whose place there is an
- * error. What a camera offers is listed, its sensor looked for, its controls are taken and written, and its frames read
- * to their last byte. */
+/* A driver's answers under libFuzzer: the fake camera's, with some bytes changed, or replaced by an error. The camera's
+ * modes are listed, its sensor is looked for, its controls are taken over and written, and its frames are read to their
+ * last byte. */
 #include "fake_v4l2/fake_v4l2.h"
 
 #include <errno.h>
@@ -22,8 +22,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-/* What is left of the input, which says how each answer is changed; without any left they are right. The camera's
- * thread asks, too. */
+/* The rest of the input, which says how each answer is changed; once it is used up, answers are right. The camera's
+ * thread also uses it. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static const uint8_t *next_byte;
 static size_t bytes_left;
@@ -37,7 +37,7 @@ static uint32_t take(int count)
     return value;
 }
 
-/* Up to three bytes become others. */
+/* Changes up to three bytes. */
 static void change(void *answer, size_t size)
 {
     for (uint32_t times = take(1) % 4; times > 0 && size; times--) {
@@ -51,7 +51,7 @@ static uint32_t at_most(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-/* What a kernel never changes: where the caller's arrays are, and how much they have room for. */
+/* A kernel never changes the addresses of the caller's arrays, nor their room. */
 static void change_topology(struct media_v2_topology *t, const struct media_v2_topology *before)
 {
     const int filled = before->ptr_entities != 0;
@@ -90,7 +90,7 @@ static void change_answer(unsigned long request, void *answer)
 {
     uint64_t before[128];
     const size_t size = _IOC_SIZE(request);
-    /* a file descriptor is the program's, whatever a driver says */
+    /* a file descriptor is the program's, regardless of the driver */
     if (size > sizeof before || !(_IOC_DIR(request) & _IOC_READ) || request == DMA_BUF_IOCTL_SYNC ||
         request == DMA_HEAP_IOCTL_ALLOC || request == VIDIOC_EXPBUF)
         return;
@@ -127,7 +127,7 @@ static void abort_without(const pupil_why *why)
         abort(); /* a refusal without a sentence */
 }
 
-/* The sanitizer and the end of the map see what is read beyond a frame. */
+/* The sanitizer and the end of the map catch reads beyond a frame. */
 static void read_all(const pupil_v4l2_frame *f)
 {
     static pupil_stats stats;

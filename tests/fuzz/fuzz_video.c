@@ -20,7 +20,7 @@ static int checks(const clip *c, int frame, int component, int x, int y)
     return 40 + (x / 4 + y / 4 + frame + component) % 2 * 150;
 }
 
-/* Bytes alone find no container: the first corpus folder gets a clip of each kind to begin with. */
+/* Random bytes do not find a container: the first corpus folder begins with a clip of each kind. */
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {
     static const struct {
@@ -59,7 +59,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     return 0;
 }
 
-/* PQ and HLG: codes that the library takes, each of them there. */
+/* PQ and HLG: codes that the library accepts; each can be read. */
 static void abort_unless_metered(const pupil_image_const *image)
 {
     static pupil_stats stats;
@@ -90,7 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         height = f.image.height;
         for (size_t i = 0; i < count; i++)
             if (!(p[i] > -100 && p[i] <= 200))
-                abort(); /* light of any table through any matrix */
+                abort(); /* light by any table and any matrix */
         if (!count)
             abort_unless_metered(&f.image);
         pupil_source_done(source, &f);

@@ -1,7 +1,7 @@
 #!/bin/sh
-# emulated.sh LEVEL LIBRARY: avx512 or wasm128 on a CPU that does not have it: compiled against functions in place of the
-# instructions (SIMDe, and tests/kernels/emulated), it must pass the same test and give the committed digests. LIBRARY is
-# libpupil.a, for all that is not of the level.
+# emulated.sh LEVEL LIBRARY: avx512 or wasm128 on a CPU that does not have it: compiled with functions instead of the
+# instructions (SIMDe, and tests/kernels/emulated), it must pass the same test and give the committed digests. LIBRARY
+# is libpupil.a, for everything outside the level.
 set -eu
 cd "$(dirname "$0")/../.."
 [ "$(uname -m)" = x86_64 ] || { echo "skipped: not x86-64"; exit 76; }

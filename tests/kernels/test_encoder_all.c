@@ -1,5 +1,5 @@
-/* Every float from 0 to a little above 1 through the store of every level: the exact code, which is that of the cells,
- * whose boundaries test_encoder checks. */
+/* Every float from 0 to a little above 1 through the store of every level: the exact code, by the cells whose
+ * boundaries test_encoder checks. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,7 +16,7 @@ static float of_bits(uint32_t bits)
     return f;
 }
 
-/* Three channels of a block: three floats that follow each other far apart, so that each is in each channel. */
+/* The three channels have the same consecutive floats, shifted by 85 each, so that each float is in each channel. */
 static void fill(pupil_planes *p, uint32_t bits)
 {
     for (uint32_t i = 0; i < PUPIL_BLOCK; i++) {
@@ -54,7 +54,7 @@ int main(int argc, char **argv)
             continue;
         const pupil_kernels *k = pupil_level_kernels(level);
         compare(k, level, 0, 0x34000000, 0x10000 - 0x100);          /* 0 and all that is far below the first code */
-        compare(k, level, 0x34000000, 0x3f800000, PUPIL_BLOCK);     /* 2^-23 to 1: each */
+        compare(k, level, 0x34000000, 0x3f800000, PUPIL_BLOCK);     /* 2^-23 to 1: every one */
         compare(k, level, 0x3f800000, 0x3f800000 + 8, PUPIL_BLOCK); /* 1 and what rounding leaves above it */
         printf("%s: every float from 2^-23 to 1 has its exact code, in each transfer\n", level_name[level]);
     }

@@ -39,7 +39,7 @@ typedef struct outcome {
     frame mapped, fused_to;
 } outcome;
 
-/* `out`: a pixel format, and HALVED for a mosaic mapped quad by quad. */
+/* `out`: a pixel format, plus HALVED for a mosaic mapped quad by quad. */
 #define HALVED 0x100
 
 static void work(const frame *in, const pupil_config *usual, const pupil_curve *curve, uint32_t level, uint32_t out,
@@ -93,7 +93,7 @@ static void compare(const frame *in, const pupil_config *config, const pupil_cur
     frame_free(&expected.fused_to);
 }
 
-/* --- what to compare on --- */
+/* --- frames to compare on --- */
 
 static pupil_config any_config(void)
 {
@@ -123,7 +123,7 @@ static pupil_config any_config(void)
     return c;
 }
 
-/* One that the format can have. */
+/* A coding that is valid for the format. */
 static pupil_coding any_coding(uint32_t pixel)
 {
     pupil_coding c = {0};
@@ -222,7 +222,7 @@ static void one(uint32_t width, uint32_t height, size_t in, size_t out, int kind
     frame_free(&f);
 }
 
-/* Every width to and from every format; of each pair of formats a part of the widths. */
+/* Every width to and from every format; for each pair of formats some of the widths. */
 static void every_width(void)
 {
     const size_t every = (size_t)check_every(4);
@@ -239,7 +239,7 @@ static void every_width(void)
         }
 }
 
-/* Every half, as red, green and blue beside other halves. */
+/* Every half, as red, green and blue next to other halves. */
 static void every_half(void)
 {
     for (uint32_t channel = 0; channel < 4; channel++) {
@@ -259,7 +259,7 @@ static void every_half(void)
 
 /* --- no byte beyond a row is touched --- */
 
-/* `bytes` that are the last before a page that cannot be read. */
+/* `bytes` of memory just before a page that cannot be read. */
 typedef struct last_bytes {
     unsigned char *memory;
     size_t size, page;
@@ -279,7 +279,7 @@ static unsigned char *last(const last_bytes *l, size_t bytes)
     return l->memory + l->size - l->page - bytes;
 }
 
-/* The last byte of each plane, in and out, is the last before a page that cannot be read. */
+/* The last byte of each plane, in and out, is just before a page that cannot be read. */
 static void at_the_end_of_memory(void)
 {
     const last_bytes in = last_bytes_make(), in_chroma = last_bytes_make(), in_cr = last_bytes_make(),

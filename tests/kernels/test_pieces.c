@@ -1,6 +1,6 @@
-/* A level may have any of the pieces of its own; the scalar level's stand in for the others, with the same bits. Here
- * are levels with none, and with each half of this machine's best one. The linker puts __wrap_pupil_level_kernels in
- * the place of the table of levels (CMakeLists.txt). */
+/* A level may implement any of the pieces; the scalar level's replace the others, with the same bits. Here are levels
+ * with none, and with each half of this machine's best one. The linker replaces the table of levels by
+ * __wrap_pupil_level_kernels (CMakeLists.txt). */
 #include <math.h>
 #include <string.h>
 
@@ -27,7 +27,7 @@ const pupil_kernels *__wrap_pupil_level_kernels(uint32_t level)
     return is_mixed ? &mixed.kernels : __real_pupil_level_kernels(level);
 }
 
-/* Each piece of its own with a likelihood of `share`; but all levels have the pieces that take planes. */
+/* Each piece is the level's own with a probability of `share`; all levels have the pieces that take planes. */
 static void mix(double share)
 {
     const table own = {*__real_pupil_level_kernels(pupil_level_choose(0))};
@@ -46,7 +46,7 @@ typedef struct outcome {
     frame mapped, fused_to, veiled;
 } outcome;
 
-/* As an eye sees the frame. What it calls for behind the load is the same for each format. */
+/* The frame with a veil. What runs after the load is the same for each format. */
 static void veil(const frame *in, const pupil_t *pupil, const pupil_curve *curve, uint32_t out, frame *to)
 {
     static pupil_veil eye;
@@ -145,7 +145,7 @@ int main(int argc, char **argv)
         for (uint32_t in = PUPIL_PIXEL_NONE + 1; in < PUPIL_PIXEL_COUNT; in++)
             for (size_t out = 0; out < sizeof outs / sizeof *outs; out++)
                 for (uint32_t smaller = 1; smaller <= (pupil_pixel_is_mosaic(in) ? 2u : 1u); smaller++) {
-                    uint32_t width = 300, height = 4; /* more than a block of pixels, and some beside it */
+                    uint32_t width = 300, height = 4; /* more than a block of pixels, and a remainder */
                     pupil_coding coding = {.rgb_from_camera = {1.6f, -0.4f, -0.2f, -0.3f, 1.5f, -0.2f, 0, -0.5f, 1.5f}};
                     coding.knees = pupil_pixel_is_mosaic(in) &&
                                    check_uniform() < 0.5; /* companded: half of the codes for a fifth of the light */
@@ -153,7 +153,7 @@ int main(int argc, char **argv)
                     coding.knee_light[0] = coding.knees ? 0.2f : 0.0f;
                     pupil_config config = any_config();
                     pupil_curve curve = any_curve();
-                    if (s == 0) { /* each format that can be mapped by luma is */
+                    if (s == 0) { /* every format that can be mapped by luma is */
                         config.accuracy = PUPIL_ACCURACY_LUMA;
                         config.output_primaries = PUPIL_OUTPUT_AS_INPUT;
                         curve.dither = curve.knots = 0;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What the test of levels is worth: with a fault planted in a copy of the kernels it must fail, without one pass.
+# Checks the test of levels: with a fault planted in a copy of the kernels it must fail, without one pass.
 set -eu
 cd "$(dirname "$0")/../.."
 grep -qw avx2 /proc/cpuinfo && grep -qw f16c /proc/cpuinfo || { echo "skipped: no AVX2"; exit 76; }
@@ -18,8 +18,8 @@ compile() {
     done
 }
 
-# Only the levels with vectors see the headers that faults are planted in; all else, and a level that this CPU cannot
-# run, is compiled once.
+# Only the vector levels include the headers with planted faults; everything else, and a level that this CPU cannot run,
+# is compiled once.
 with=avx2
 ! grep -qw avx512f /proc/cpuinfo || with="avx2 avx512"
 compile lib "$work/same" lib/base/*.c lib/core/*.c lib/flicker/*.c lib/kernels/*.c lib/row_gain/*.c lib/sensor/*.c lib/veil/*.c tests/kernels/test_levels.c tests/frames.c

@@ -1,6 +1,6 @@
-/* The scalar level's rows of bloom and runs of the veil against sums that the test takes itself, and that each row
- * is written as far as kernels.h says and no further. All numbers are small integers and powers of two, so every order
- * of a sum has the same bits. */
+/* The scalar level's rows of bloom and runs of the veil against the test's own sums, and that each row is written
+ * exactly as far as kernels.h says. All numbers are small integers and powers of two, so every order of a sum has the
+ * same bits. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 enum { MOST = 400, ROOM = MOST + 64, GUARD = -12345 };
 static const uint32_t counts[] = {1, 8, 15, 16, 17, 31, 32, 33, 64, 100, 192, 193, MOST};
-enum { COUNTS = sizeof counts / sizeof counts[0], BLOCKS = 10 }; /* those that a block has */
+enum { COUNTS = sizeof counts / sizeof counts[0], BLOCKS = 10 }; /* as many as a block has */
 
 enum { ROWS = 8 };
 static float rows[ROWS][2 * ROOM], to[2 * ROOM];
@@ -35,7 +35,7 @@ static void check_guard(const char *what, uint32_t n, uint32_t end)
         CHECK_MSG(to[i] == GUARD, "%s of %u: wrote at %u", what, n, i);
 }
 
-/* The filter of eight taps, of what is at both sides. */
+/* The eight-tap filter, by pairs of both sides. */
 static float eighth_of(const float pair[4])
 {
     return 137 * pair[0] + 84 * pair[1] + 30 * pair[2] + 5 * pair[3];
@@ -43,7 +43,7 @@ static float eighth_of(const float pair[4])
 
 static const pupil_bloom_taps taps = {{1, 2, 4, 8, 16, 32, 3, 5, 7}};
 
-/* At the distance of (a, b), by the order of kernels.h. */
+/* The tap at the distance (a, b), in the order of kernels.h. */
 static float tap_at(int a, int b)
 {
     const int y = abs(a), x = abs(b);
@@ -80,7 +80,7 @@ static void check_scatter(uint32_t n, int with)
     check_guard("scatter", n, end);
 }
 
-/* Of eight rows, in pixel i of a row. */
+/* The value of pixel i, filtered from eight rows. */
 static float down_at(size_t i)
 {
     const float pair[4] = {rows[3][i] + rows[4][i], rows[2][i] + rows[5][i], rows[1][i] + rows[6][i],
@@ -105,7 +105,7 @@ static void check_halve(uint32_t n)
     check_guard("halve", n, end);
 }
 
-/* Between four rows, in pixel i of a row. */
+/* The value of pixel i, interpolated between four rows. */
 static float up_at(size_t i)
 {
     return 2 * rows[0][i] + 4 * rows[1][i] + rows[2][i] + 16 * rows[3][i];
@@ -130,7 +130,7 @@ static void check_widen(uint32_t n, int add)
     check_guard("widen", n, 2 * end);
 }
 
-/* One channel of one pixel above a threshold, or none, or what has no part in it. */
+/* One channel of a pixel: the part above a threshold, or everything, or what does not scatter. */
 static void check_lamps_of_pixels(uint32_t n)
 {
     static float pixels[4 * PUPIL_BLOCK];
@@ -162,8 +162,8 @@ static void check_lamps(uint32_t n)
     }
 }
 
-/* Negative light, NaN and what is above the ceiling; and what is above a threshold, with the colour that it had. -0
- * is 0, as it is at the levels whose vectors take the larger of it and 0. */
+/* Negative light, NaN and light above the ceiling; and light above a threshold, with its colour unchanged. -0 is 0, as
+ * it is at the levels whose vectors take the larger of it and 0. */
 static void check_bright(uint32_t n)
 {
     static pupil_planes planes;

@@ -1,5 +1,5 @@
 /* The outermost codes of 8-bit Y'CbCr, by each matrix, range and curve: the same light at every level, and none beyond
- * the entries that x86's table has (kernels.h: PUPIL_BEYOND). */
+ * the entries of x86's table (kernels.h: PUPIL_BEYOND). */
 #include <stdio.h>
 #include <string.h>
 

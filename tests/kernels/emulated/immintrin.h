@@ -1,9 +1,9 @@
-/* The instructions of AVX-512 as functions, for a CPU that has none: those of SIMDe, and here what SIMDe 0.7 lacks.
- * Slow, and exact. */
+/* AVX-512 instructions as functions, for a CPU without them: SIMDe's, and here those that SIMDe 0.7 lacks. Slow, and
+ * exact. */
 #ifndef PUPIL_EMULATED_IMMINTRIN_H
 #define PUPIL_EMULATED_IMMINTRIN_H
 
-#define SIMDE_NO_NATIVE /* whose header this one stands in for */
+#define SIMDE_NO_NATIVE /* the header that this one replaces */
 #define SIMDE_ENABLE_NATIVE_ALIASES
 #include <simde/x86/avx2.h>
 #include <simde/x86/avx512.h>
@@ -15,7 +15,7 @@
 typedef uint16_t __mmask16;
 typedef uint32_t __mmask32;
 
-/* A result made of 16 numbers, from arguments taken apart. */
+/* A result of 16 numbers, computed element by element. */
 #define EMULATED(RESULT, TYPE, EXPRESSION)                                                                             \
     TYPE out_[16];                                                                                                     \
     RESULT result_;                                                                                                    \

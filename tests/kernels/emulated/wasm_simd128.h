@@ -1,4 +1,4 @@
-/* tests/kernels/emulated/wasm_simd128.h: SIMDe in place of clang's header, so that the level of WebAssembly runs here.
+/* tests/kernels/emulated/wasm_simd128.h: SIMDe instead of clang's header, so that the WebAssembly level runs here.
  */
 #ifndef PUPIL_EMULATED_WASM_SIMD128_H
 #define PUPIL_EMULATED_WASM_SIMD128_H
