@@ -1,7 +1,7 @@
 #!/bin/sh
-# test_formats.sh: the examples that read the pixels of a decoder, of OpenCV and of a mono camera: on frames whose picture
-# is known, without a warning in any standard of C and C++, and short. $PUPIL_EXAMPLES is the folder that they were built
-# into.
+# test_formats.sh: the examples that read the pixels of a decoder, of OpenCV and of a mono camera: on frames with a
+# known picture, without a warning in any standard of C and C++, and short. $PUPIL_EXAMPLES is the folder that they were
+# built into.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -10,16 +10,16 @@ source=$(cd "$(dirname "$0")/../.." && pwd)
 fail() { echo "test_formats.sh: $*"; exit 1; }
 codes() { od -An -v -w"$1" -tu1 | tr -s ' ' | sed 's/^ //' | uniq -c | tr -s ' ' | tr '\n' ';'; }
 
-# The log-average of a frame is mapped to the key, 0.18, and white is 1: light times 0.18 / average, encoded again
-# (IEC 61966-2-1). Y' 126, Cb 112, Cr 144 is R'G'B' 0.6024, 0.4855, 0.3757 (BT.601, limited range): 141.9 111.8 88.1.
-# 3 x 2 pixels; half a frame at the end is none.
+# The log-average of a frame is mapped to the key, 0.18, and white is 1: light times 0.18 / average, encoded again (IEC
+# 61966-2-1). Y' 126, Cb 112, Cr 144 is R'G'B' 0.6024, 0.4855, 0.3757 (BT.601, limited range): 141.9 111.8 88.1. 3 x 2
+# pixels; half a frame at the end is ignored.
 printf '\176\176\176\176\176\176\160\160\220\220' >"$work/i420"
 head -c 5 "$work/i420" | cat "$work/i420" "$work/i420" - | "$PUPIL_EXAMPLES/decoder_i420" 3 2 >"$work/out"
 got=$(codes 3 <"$work/out")
 [ "$got" = " 12 142 112 88;" ] || fail "I420: $got"
 
-# Its upper pixels are B 10 G 20 R 30, the lower ones 20 10 40. They are darker than 4 stops below the key, where codes are
-# brightened no further (amplification_ev): light times 16, which is 62.3 94.0 125.7 and 94.0 62.3 157.5.
+# Its upper pixels are B 10 G 20 R 30, the lower ones 20 10 40. They are more than 4 stops below the key, where codes
+# are not brightened further (amplification_ev): light times 16, which is 62.3 94.0 125.7 and 94.0 62.3 157.5.
 got=$("$PUPIL_EXAMPLES/mat_bgr" | tr '\n' ';')
 [ "$got" = "62 94 126;62 94 126;94 62 157;94 62 157;" ] || fail "BGR: $got"
 
@@ -30,7 +30,7 @@ got=$(codes 3 <"$work/out")
 
 for program in decoder_i420 mono_y10p; do
     for arguments in "" "4" "0 4" "4 99999" "four 4" "-4 4"; do
-        # words, on purpose
+        # unquoted on purpose
         "$PUPIL_EXAMPLES/$program" $arguments </dev/null >"$work/out" 2>"$work/err" && fail "$program takes '$arguments'"
         grep -q '^width and height' "$work/err" && grep -q "^usage: $program WIDTH HEIGHT" "$work/err" || fail "$program, '$arguments': $(cat "$work/err")"
     done

@@ -1,7 +1,6 @@
-/* docs/examples/full.c as it is, with the fake camera in the place of the kernel: it settles on the light, follows it,
- * maps the picture all along, and when the camera is pulled out it says so and puts every control back. The same with
- * writes that take several frames, and with a camera that is busy while the light changes: the library alone gets them
- * right. */
+/* docs/examples/full.c unchanged, with the fake camera instead of the kernel: it settles on the light, follows it, maps
+ * every frame, and when the camera is unplugged it reports that and restores every control. Also with writes that take
+ * several frames, and with a camera that is busy while the light changes: the library handles both by itself. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
@@ -20,7 +19,7 @@
 #include "pupil/pupil.h"
 
 #define MOST 400
-#define STEP 80 /* the frame from which on there is eight times the light; 60 are promised until it is at rest */
+#define STEP 80 /* the first frame with eight times the light; it promises to rest within 60 */
 
 static fake_v4l2 *fake;
 static const pupil_v4l2_system *fakes;
@@ -29,13 +28,13 @@ static pupil_camera *opened;
 static double exposure_s[MOST + 1];
 static unsigned char middle[MOST + 1];
 
-/* How the camera takes writes. */
-static int write_frames;          /* they take so many frames */
-static int busy_from, busy_until; /* frames in which it is busy */
+/* How the camera handles writes. */
+static int write_frames;          /* how many frames a write takes */
+static int busy_from, busy_until; /* for how many frames it is busy */
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of what follows */
 static pthread_cond_t frame_came = PTHREAD_COND_INITIALIZER;
-static int frames, is_over, writing, done_at, refused; /* is_over: no frame comes any more */
+static int frames, is_over, writing, done_at, refused; /* is_over: no more frames */
 
 static int fake_call(void *context, int fd, unsigned long request, void *argument)
 {
@@ -59,8 +58,8 @@ static int fake_call(void *context, int fd, unsigned long request, void *argumen
     return -1;
 }
 
-/* The next frame comes, but not before the last setting is written, if it is to be by now: that of a real camera takes
- * its time. Returns what is in force from then on. */
+/* Delivers the next frame, but not before the last setting is written, unless writes are slow: a real camera's frame
+ * takes its time. Returns the total exposure in force from then on. */
 static double next_frame(void)
 {
     pupil_camera_status status;
@@ -92,7 +91,7 @@ static int open_device(const char *path, int flags)
     return fakes->open(fakes->context, path);
 }
 
-/* DQBUF of a file that was opened to block. */
+/* DQBUF of a file in blocking mode. */
 static int device_ioctl(int fd, unsigned long request, ...)
 {
     va_list list;
@@ -141,7 +140,7 @@ static size_t keep_picture(const void *picture, size_t bytes, size_t count, FILE
     return 1;
 }
 
-/* The program ends where it fails, again and again here: its picture is freed with this process. */
+/* The program exits at a failure, here again and again: its picture is freed with this process. */
 static void *picture_memory(size_t bytes)
 {
     static unsigned char picture[64 * 48 * 3];
@@ -202,15 +201,15 @@ static void follow_light(int slow_frames, int busy_frames, int last)
     CHECK_MSG(fabs(log2(exposure_s[last] / right_s * 8)) < 0.21, "writes of %d frames, busy for %d: %g s for %g",
               slow_frames, busy_frames, exposure_s[last], right_s / 8);
     CHECK_MSG(abs(middle[STEP - 1] - middle[last]) <= 4, "%d, %d", middle[STEP - 1], middle[last]);
-    double beyond = 0.0; /* stops by which it ever was too dark */
+    double beyond = 0.0; /* stops by which it was ever too dark */
     for (int i = 1; i <= last; i++)
         beyond = fmax(beyond, log2(right_s / (i < STEP ? 1 : 8) / exposure_s[i]));
-    /* an eighth more light than white has no number: one look goes further than it has to */
+    /* light above white cannot be measured: one step goes further than it has to */
     CHECK_MSG(beyond < 0.6, "writes of %d frames, busy for %d: %g EV darker than it should be", slow_frames,
               busy_frames, beyond);
     CHECK(middle[last] > 90 && middle[last] < 135); /* 0.18 of the key is sRGB 118 */
     CHECK_MSG(busy_frames ? refused > 1 : refused == 0, "%d writes were refused", refused);
-    /* The camera that is gone cannot be put back; nor can anybody else's be left behind. */
+    /* The controls of the unplugged camera cannot be restored, and no other's may be left changed. */
     pupil_camera_close(camera, &why);
     camera = NULL;
     fake_v4l2_free(fake);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# test_meter_only.sh: docs/examples/meter_only.c on frames whose light is known, and what the examples say to what is not
-# right. $PUPIL_EXAMPLES is the folder that they were built into.
+# test_meter_only.sh: docs/examples/meter_only.c on frames with known light, and the examples' messages for wrong
+# arguments and input. $PUPIL_EXAMPLES is the folder that they were built into.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -8,8 +8,8 @@ meter=$PUPIL_EXAMPLES/meter_only
 
 fail() { echo "test_meter_only.sh: $*"; exit 1; }
 
-# 4 x 2 pixels of Y' = 235 and of Y' = 126: limited range, so 1 and 0.50228, which is 0.2158 of light (IEC 61966-2-1):
-# 0 and -2.21 EV. Half a frame at the end is none.
+# 4 x 2 pixels of Y' = 235 and of Y' = 126: limited range, so 1 and 0.50228, which is 0.2158 of light (IEC 61966-2-1): 0
+# and -2.21 EV. Half a frame at the end is ignored.
 for i in 1 2 3 4; do printf '\353\200\353\200'; done >"$work/white"
 for i in 1 2 3 4; do printf '\176\200\176\200'; done >"$work/grey"
 { cat "$work/white" "$work/grey" "$work/grey"; head -c 7 "$work/grey"; } | "$meter" 4 2 >"$work/out"
@@ -18,7 +18,7 @@ sed -n 1p "$work/out" | grep -q 'metered [+-]0.00 EV, adapted [+-]0.00 EV, clipp
 sed -n 2p "$work/out" | grep -q 'metered -2.21 EV, adapted -0.0[0-9] EV, clipped 0.0 %' || fail "grey: $(sed -n 2p "$work/out")"
 
 for arguments in "" "4" "0 4" "4 99999" "four 4"; do
-    # words, on purpose
+    # unquoted on purpose
     "$meter" $arguments </dev/null >"$work/out" 2>"$work/err" && fail "'$arguments' is taken"
     grep -q '^usage: meter_only WIDTH HEIGHT' "$work/err" || fail "'$arguments': $(cat "$work/err")"
 done

@@ -1,6 +1,6 @@
-/* The kernel stops each of the chosen system calls by SIGSYS (seccomp(2)), whoever makes it: stdio's, too, which no
- * library can replace. The handler makes the call itself, or lets it fail. All threads are counted as one, which
- * strace's injection does not: there the n-th call of one thread hides that of another.
+/* The kernel stops each of the chosen system calls by SIGSYS (seccomp(2)), regardless of the caller: also stdio's,
+ * which no library can replace. The handler makes the call itself, or lets it fail. All threads are counted together,
+ * unlike strace's injection, where the n-th call of one thread hides that of another.
  */
 #include "fail_calls.h"
 
@@ -26,7 +26,7 @@ static const int argument_register[] = {REG_RDI, REG_RSI, REG_RDX, REG_R10, REG_
 #define ARGUMENT(c, i) ((c)->uc_mcontext.regs[i])
 #endif
 
-/* 64-bit ARM has only the calls that take a folder. */
+/* 64-bit ARM has only the variants that take a folder. */
 #ifndef SYS_rename
 #define SYS_rename SYS_renameat
 #endif
@@ -34,7 +34,7 @@ static const int argument_register[] = {REG_RDI, REG_RSI, REG_RDX, REG_R10, REG_
 #define SYS_mkdir SYS_mkdirat
 #endif
 
-/* The last of six arguments. None of these calls has so many: the filter knows the handler's own by it. */
+/* The sixth argument, which none of these calls uses: it marks the handler's own calls for the filter. */
 #define OWN 0x7075706c66616c6cull
 
 static const struct {
@@ -49,7 +49,7 @@ static const struct {
 static fail_calls_decision *decide;
 static int error;
 
-/* What the loader and the system's libraries read is not the program's. */
+/* Reads by the loader and the system's libraries do not count. */
 static int is_of_system(int number, const char *path)
 {
     static const char *const folders[] = {"/lib", "/usr", "/etc", "/sys", "/proc", "/dev"};
@@ -87,7 +87,7 @@ static int mask_without_sigsys(const char *function, int how, const sigset_t *se
     return next(how, set, old);
 }
 
-/* These three replace the C library's: SIGSYS stays ours, and a thread that blocked it would be killed. */
+/* These three replace the C library's, so that SIGSYS keeps our handler; a thread that blocked it would be killed. */
 int pthread_sigmask(int how, const sigset_t *set, sigset_t *old)
 {
     return mask_without_sigsys("pthread_sigmask", how, set, old);

@@ -1,11 +1,11 @@
-/* System calls that fail: of fail_nth.c. */
+/* System calls that fail, for fail_nth.c. */
 #ifndef FAIL_CALLS_H
 #define FAIL_CALLS_H
 
-/* Decides for a call of the given kind, counted over all threads. */
+/* Whether a call of the given kind fails, counted over all threads. */
 typedef int fail_calls_decision(void);
 
-/* Starts to ask for each system call of this name whether it fails. 0: it has no such name, or the kernel refuses. */
+/* From now on each system call of this name may fail. 0: there is no such name, or the kernel refuses. */
 int fail_calls_begin(const char *name, fail_calls_decision *fails);
 
 #endif

@@ -1,7 +1,7 @@
-/* LD_PRELOAD: of one kind of calls one fails, $PUPIL_FAIL=KIND:NUMBER, counted from 1 where main begins; at the end the
- * number of all goes into the file $PUPIL_COUNT. KIND is malloc, for every allocation, or a system call (fail_calls.c).
- * With $PUPIL_FAIL_OWN the allocations of libraries do not count: libavcodec 59 calls abort where it has no memory for
- * an encoder.
+/* LD_PRELOAD: one call of a kind fails, $PUPIL_FAIL=KIND:NUMBER, counted from 1 at the beginning of main; at the end
+ * the total goes into the file $PUPIL_COUNT. KIND is malloc, for every allocation, or a system call (fail_calls.c).
+ * With $PUPIL_FAIL_OWN allocations by libraries do not count: libavcodec 59 calls abort if it has no memory for an
+ * encoder.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -34,7 +34,7 @@ static int is_its_turn(void)
     return atomic_fetch_add(&count, 1) + 1 == fail_at;
 }
 
-/* Whether the program itself asks, or the C library for it. */
+/* Whether the program itself allocates, or the C library on its behalf. */
 static int is_own(void *caller)
 {
     Dl_info is;
@@ -114,7 +114,7 @@ static int wrapped_main(int argc, char **argv, char **environment)
         return 77;
     }
     const int status = real_main(argc, argv, environment);
-    atomic_store(&armed, 0); /* what the libraries' ends allocate is not the program's */
+    atomic_store(&armed, 0); /* allocations of the libraries' destructors do not count */
     say_count(atomic_load(&count));
     return status;
 }

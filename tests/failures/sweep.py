@@ -53,7 +53,7 @@ CASES = {
                    ["out", "out.csv"]),
     "run-resume": ("fake", ["fake:size=32x24", "-n", "90", "-q", "--mode", "sensor", "--resume", "kept"], ["kept"]),
 }
-LIVE = ("out", "out.mkv", "out.csv")  # of run and record: what was written before the failure may stay, whole
+LIVE = ("out", "out.mkv", "out.csv")  # of run and record: complete frames from before the failure may stay
 CUT = "a line is cut off"
 CALLS = ["malloc", "write", "rename", "renameat2", "fsync", "openat", "ftruncate", "mkdir"]
 
@@ -68,7 +68,7 @@ def contents(folder, outputs):
                 data = file.read_bytes()
                 if file.suffix in (".csv", ".jsonl"):  # microseconds: other ones in each run
                     data = len(data.split(b"\n")) if data.endswith(b"\n") else CUT
-                elif file.suffix == ".mkv":  # with a random number, and an index where there was memory for it
+                elif file.suffix == ".mkv":  # with a random number, and an index if there was memory for it
                     what = file.parent if file.name == "frames.mkv" else file
                     data = subprocess.run([PROGRAM[0], "replay", what, "-q", "-o", "-"], capture_output=True).stdout
                 found[str(file.relative_to(folder))] = data
@@ -76,17 +76,17 @@ def contents(folder, outputs):
 
 
 def sizes(found):
-    """Of a live run, whose bits are those of a GPU or of the CPU: the same number of frames and of lines."""
+    """Of a live run, whose bits depend on GPU or CPU: the same number of frames and of lines."""
     return {path: data if isinstance(data, (int, str)) else len(data) for path, data in found.items()}
 
 
 class Kept:
-    """The verdicts so far: {(case, call, n): "refused", None or a fault}; in a file, too, where there is a path."""
+    """The verdicts so far: {(case, call, n): "refused", None or a fault}; also in a file, if there is a path."""
 
     def __init__(self, path):
         self.path, self.verdicts, self.lock = path, {}, threading.Lock()
         text = path.read_text() if path and path.exists() else ""
-        whole = text[: text.rfind("\n") + 1]  # of a line that was being written nothing is taken
+        whole = text[: text.rfind("\n") + 1]  # an incomplete line is ignored
         for line in whole.splitlines():
             name, call, n, said = json.loads(line)
             self.verdicts[name, call, n] = said
@@ -126,7 +126,7 @@ class Sweep:
                 sys.exit(f"sweep.py: {' '.join(arguments)}: {done.stderr}")
 
     def run(self, command, environment=None):
-        """(status, standard error, folder); status -9: it had to be ended."""
+        """(status, standard error, folder); status -9: it had to be killed."""
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.work))
         for entry in self.inputs.iterdir():
             (shutil.copytree if entry.is_dir() else shutil.copy)(entry, folder / entry.name)
@@ -164,11 +164,11 @@ class Sweep:
         try:
             said = "\n".join(line for line in said.splitlines() if not line.startswith("fake: "))
             now = contents(folder, outputs)
-            stray = [p.name for p in folder.rglob(".*") if p.name not in said]  # what is named is no surprise
+            stray = [p.name for p in folder.rglob(".*") if p.name not in said]  # a named output is expected
             if status == "does not end" or status < 0 or status in (132, 134, 135, 136, 139):
                 return f"ends by a signal or not at all ({status}): {said}"
             if status == 99 and CASES[name][0] == "fake":
-                return None  # the rig's own camera, before the program began
+                return None  # the rig's own camera, from before the program began
             if status == 0:
                 return None if now == reference or CASES[name][0] == "fake" and sizes(now) == sizes(reference) else \
                     "status 0, but the outputs are others"
@@ -186,11 +186,11 @@ class Sweep:
         return self.interrupted or time.monotonic() >= self.ends_at
 
     def judge_once(self, name, call, n):
-        """Nothing where it is known, or the time is over."""
+        """None if it is known, or the time is over."""
         if (name, call, n) in self.kept.verdicts or self.is_over():
             return
         said = self.judge(name, call, n)
-        if not self.interrupted:  # else what it saw may be of that
+        if not self.interrupted:  # else its result may come from Ctrl-C
             self.kept.add(name, call, n, said)
 
     def references(self, name):
@@ -205,7 +205,7 @@ class Sweep:
         return self.made[name]
 
     def sweep(self, name, call):
-        """(calls that were swept, failures that are harmless, faults, calls that are left)"""
+        """(calls swept, harmless failures, faults, calls left)"""
         self.references(name)  # not by two at once
         numbers = range(1, self.number_of(name, call) + 1, self.options.every)
         with concurrent.futures.ThreadPoolExecutor(self.options.jobs) as pool:

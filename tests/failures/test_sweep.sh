@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_sweep.sh ARGUMENTS OF sweep.py...: a sweep that was ended goes on where it stopped.
+# test_sweep.sh ARGUMENTS OF sweep.py...: an interrupted sweep continues where it stopped.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
@@ -22,7 +22,7 @@ sweep 3 "$@" --seconds 0
 [ ! -s "$kept" ] || fail "a call was failed without any time"
 sweep 3 "$@" --seconds 1.5
 first=$(wc -l <"$kept")
-# Ctrl-C, with the first call under way
+# Ctrl-C during the first call
 "$@" >"$work/log" 2>&1 &
 running=$!
 tries=0
@@ -32,13 +32,13 @@ status=0
 wait $running || status=$?
 [ "$status" = 3 ] && grep -q "not all were swept" "$work/log" || fail "ended: exit $status"
 some=$(wc -l <"$kept")
-printf '["sim", "mall' >>"$kept" # a line that was being written
+printf '["sim", "mall' >>"$kept" # an incomplete line
 sweep 0 "$@"
 all=$(wc -l <"$kept")
 [ "$some" -gt "$first" ] && [ "$all" -gt "$some" ] || fail "$first, $some, then $all verdicts"
 grep -q "^$all calls failed, 0 faults" "$work/log" || fail "the sum is not $all"
 [ "$(cut -d, -f3 "$kept" | sort | uniq -d)" = "" ] || fail "a call was swept twice"
-# what was found stays found
+# earlier results are kept
 sed -i '3s/"refused"\|null/"a fault"/' "$kept"
 sweep 1 "$@"
 [ "$(wc -l <"$kept")" = "$all" ] && grep -q "FAILED: malloc .*: a fault" "$work/log" || fail "a fault is forgotten"

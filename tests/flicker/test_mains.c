@@ -1,5 +1,5 @@
-/* Mains light, found from the bands of frames: cameras with rolling shutters at random, and scenes without lamps in
- * which nothing may be found. Prints the figures of docs/mains.md. */
+/* The mains frequency, found from the bands of frames: random cameras with rolling shutters, and scenes without lamps,
+ * in which nothing may be found. Prints the figures of docs/mains.md. */
 #include <math.h>
 #include <string.h>
 
@@ -10,18 +10,18 @@
 
 enum { ROWS = 4, PIXELS = 1000, TEXTURE = 128, FRAMES = 15 };
 
-/* Light that falls on the rows of frames, and how they are taken. */
+/* The light on the rows of frames, and how the frames are taken. */
 typedef struct camera {
     double frame_s, readout_s, exposure_s, gain;
     double hz, modulation, phase; /* of lamps; 0: none */
     double noise_ev;              /* of a band's mean */
-    double texture[TEXTURE];      /* log2, by bands, and again from the beginning */
-    double place, pan;            /* of the picture in it, in bands; by a frame */
+    double texture[TEXTURE];      /* log2, by bands; repeats */
+    double place, pan;            /* the picture's position in it, in bands; movement per frame */
     double drops;                 /* share of the frames */
     double jitter_s;              /* of timestamps, standard deviation */
     double t;
     uint64_t n;
-    double shade[PUPIL_BANDS]; /* what else is on the scene, log2 */
+    double shade[PUPIL_BANDS]; /* other things in the scene, log2 */
     pupil_sensor sensor;
     pupil_sensor_setting setting;
 } camera;
@@ -31,14 +31,14 @@ static double normal(void)
     return sqrt(-2.0 * log(1.0 - check_uniform())) * cos(2.0 * PI * check_uniform());
 }
 
-/* What is left of a modulation after an exposure. */
+/* The share of a modulation that is left after an exposure. */
 static double left_of(double hz, double exposure_s)
 {
     const double x = PI * hz * exposure_s;
     return x > 0.0 ? sin(x) / x : 1.0;
 }
 
-/* Any one: its exposure and gain are manual, so that the wave is what it is. */
+/* A random camera with manual exposure and gain, so that the wave stays the same. */
 static void begin(camera *c, double exposure_s)
 {
     static const double usual[] = {24.0, 25.0, 29.97, 30.0, 50.0, 60.0};
@@ -65,7 +65,7 @@ static void begin(camera *c, double exposure_s)
     CHECK(pupil_sensor_init(&c->sensor, &config) == PUPIL_OK);
 }
 
-/* The next frame; what all of its light is over the usual. */
+/* Takes the next frame, with all light changed by this much. */
 static void frame(camera *c, double ev)
 {
     pupil_stats s;
@@ -109,8 +109,8 @@ static double from_whole(double x)
     return fabs(x - floor(x + 0.5));
 }
 
-/* A lamp is to be found where 2 % are left of it, it moves by a twentieth of a turn from frame to frame at least, and
- * the other frequency would move otherwise by as much. Never the wrong one, wherever. */
+/* A lamp must be found if 2 % of it are left, it moves by at least a twentieth of a turn from frame to frame, and the
+ * other frequency's movement differs by as much. The wrong one must never be found. */
 static void check_lamps(const char *what, int cases, double drops, double pan, double noise_ev, double jitter_s)
 {
     static camera c;
@@ -163,7 +163,7 @@ static const char *const scene_name[SCENES] = {
     "a shaken camera", "strobes, whole frames and parts", "a lamp at 10 Hz",    "all light at 10 Hz",
     "things that pass"};
 
-/* What happens before the next frame; by how much all light is over the usual. */
+/* Changes the scene before the next frame; returns by how much all light is above the usual. */
 static double happen(camera *c, enum scene scene, int n, const double chance[4])
 {
     const int first = (int)(chance[0] * 50.0), size = 2 + (int)(chance[1] * 30.0);
@@ -204,7 +204,7 @@ static void check_no_lamps(enum scene scene, int cameras, int frames)
     CHECK(alarms == 0);
 }
 
-/* Lamps that leave nothing that could be distinguished. */
+/* Lamps that leave no distinguishable bands. */
 static void check_undetermined(void)
 {
     static const struct {
@@ -232,8 +232,8 @@ static void check_undetermined(void)
 
 enum { DELAY = 2 };
 
-/* What is asked for is in force some frames later; light of 2^light_ev for a frame of 1 s. How many stops the frame, as
- * it is shown, is over the key, lamps apart. */
+/* Settings are in force some frames later; the light is 2^light_ev for a frame of 1 s. Returns by how many stops the
+ * shown frame is above the key, without the lamps. */
 static double turn(camera *c, double light_ev, double asked[DELAY][2])
 {
     const double exposure_s = asked[c->n % DELAY][0], gain = asked[c->n % DELAY][1];
@@ -247,7 +247,7 @@ static double turn(camera *c, double light_ev, double asked[DELAY][2])
     return ev + log2(c->setting.frame_digital) - log2(0.18);
 }
 
-/* A camera of `fps` under lamps, at rest on the exposure that light of light_ev asks for. */
+/* A camera of `fps` under lamps, at rest at the exposure for light_ev. */
 static void begin_loop(camera *c, const pupil_sensor_config *config, double fps, double light_ev,
                        double asked[DELAY][2])
 {
@@ -272,7 +272,7 @@ static void check_loop(void)
 {
     static camera c;
     double asked[DELAY][2], worst = 0.0;
-    const double dark_ev = log2(0.18 / 0.013), bright_ev = log2(0.18 / 0.0013); /* 13 ms are right; 1.3 */
+    const double dark_ev = log2(0.18 / 0.013), bright_ev = log2(0.18 / 0.0013); /* 13 ms would be right; 1.3 */
     pupil_sensor_config config;
     pupil_sensor_config_default(&config);
     config.frame_s = 1.0 / 25.5;
@@ -295,7 +295,7 @@ static void check_loop(void)
     }
     printf("60 Hz found: the level, lamps apart, is at most %.4f EV off\n", worst);
     CHECK(worst <= 0.01);
-    for (int n = 0; n < 300; n++) { /* no lamps: what was found stays */
+    for (int n = 0; n < 300; n++) { /* no lamps: the found frequency is kept */
         c.modulation = 0.0;
         turn(&c, dark_ev, asked);
         CHECK(c.setting.mains_hz == 60);
@@ -315,14 +315,14 @@ static void check_loop(void)
     CHECK(c.setting.mains_hz == 50 && c.setting.mains == PUPIL_SENSOR_MAINS_FOUND);
 }
 
-/* What is configured is not doubted; a lock keeps the setting until it ends. Then the frequency is to be found: until
- * it is, 50 Hz are taken for granted, so 50 Hz lamps leave no bands at all in exposures of 10 ms and more. They leave
- * some in shorter ones, which show the frequency. */
+/* A configured frequency is not questioned; a lock keeps the setting until it ends. Then the frequency must be found:
+ * until then 50 Hz is assumed, so 50 Hz lamps leave no bands in exposures of 10 ms and more. Shorter exposures have
+ * bands, which show the frequency. */
 static void check_told(void)
 {
     static camera c;
     double asked[DELAY][2];
-    const double dark_ev = log2(0.18 / 0.013), middle_ev = log2(0.18 / 0.004); /* 13 ms are right; 4 */
+    const double dark_ev = log2(0.18 / 0.013), middle_ev = log2(0.18 / 0.004); /* 13 ms would be right; 4 */
     for (int i = 0; i < 4; i++) {
         pupil_sensor_config config;
         pupil_sensor_config_default(&config);
@@ -352,11 +352,11 @@ static void check_told(void)
             turn(&c, dark_ev, asked);
         CHECK_MSG(is_multiple(c.setting.exposure_s, 50), "case %d: %g s", i, c.setting.exposure_s);
     }
-    CHECK(pupil_sensor_scene(&c.sensor, -2.0, 0.0, NULL) == PUPIL_OK); /* no bands: what was found stays */
+    CHECK(pupil_sensor_scene(&c.sensor, -2.0, 0.0, NULL) == PUPIL_OK); /* no bands: the found frequency is kept */
     CHECK(pupil_sensor_get(&c.sensor, &c.setting) == PUPIL_OK && c.setting.mains_hz == 50);
 }
 
-/* Lamps that all but go out are known, and their modulation is no more than all of the light. */
+/* Lamps that almost go out are found, and their modulation is at most all of the light. */
 static void check_strong(void)
 {
     camera c;

@@ -1,5 +1,5 @@
-/* Lamps at 50 and 60 Hz make all light go up and down with the frame rate: that is taken out of the level and out of
- * each frame as it is shown, in both loops; and nothing else is. Prints figures of docs/mains.md. */
+/* Lamps at 50 and 60 Hz make all light rise and fall from frame to frame: both loops remove that from the level and
+ * from each shown frame, and nothing else. Prints figures of docs/mains.md. */
 #include <math.h>
 
 #include "check.h"
@@ -10,15 +10,15 @@
 #define PI         3.14159265358979323846
 #define LINE_S     18.9e-6
 #define LIMIT_EV   0.005        /* RMS from frame to frame */
-#define NOTHING_EV 0.0005       /* most that may be taken out where no lamp is */
-#define SLOWEST    (1.0 / 16.0) /* turns a frame: slower beats are left to the level */
+#define NOTHING_EV 0.0005       /* most that may be removed without a lamp */
+#define SLOWEST    (1.0 / 16.0) /* turns per frame: slower flicker is left to the level */
 
 enum { DELAY = 3, RING = 8, LONG = 100000 };
 
 typedef struct room {
-    double fps, lamp_hz, share; /* of the light that the lamp's wave is */
-    double jitter_s, drops;     /* timestamps are off by so much at most; share of the frames */
-    double level_ev;            /* log2 of the light that a frame of 1 s and gain 1 has */
+    double fps, lamp_hz, share; /* the share of light with the lamp's wave */
+    double jitter_s, drops;     /* largest error of timestamps; share of lost frames */
+    double level_ev;            /* log2 of the light of a frame of 1 s and gain 1 */
     uint64_t frame;
     double asked[RING][2];
     pupil_sensor sensor;
@@ -32,7 +32,7 @@ static void open_room(room *r, double fps, double lamp_hz, double share)
     pupil_sensor_config_default(&c);
     c.frame_s = 1.0 / fps;
     c.exposure_min_s = c.exposure_step_s = LINE_S;
-    c.exposure_max_s = fmin(1.0 / fps, 0.006); /* gain after that: long exposures hide lamps */
+    c.exposure_max_s = fmin(1.0 / fps, 0.006); /* then gain: long exposures hide lamps */
     c.gain_law = PUPIL_GAIN_RECIPROCAL;
     c.gain_step = 256;
     CHECK(pupil_sensor_init(&r->sensor, &c) == PUPIL_OK);
@@ -42,7 +42,7 @@ static void open_room(room *r, double fps, double lamp_hz, double share)
         r->asked[i][0] = r->setting.exposure_s, r->asked[i][1] = r->setting.gain;
 }
 
-/* The next frame; what of it is shown, log2 of key. NAN: it was lost. */
+/* Takes the next frame; returns log2 of its shown level over the key. NAN: it was lost. */
 static double next_frame(room *r)
 {
     const double *in_force = r->asked[(r->frame + RING - DELAY) % RING];
@@ -68,7 +68,7 @@ static double next_frame(room *r)
     return shown;
 }
 
-/* RMS from frame to frame of what is shown, of so many frames; *beat: the most that was taken out. */
+/* RMS from frame to frame of the shown level, over so many frames; *beat: the most that was removed. */
 static double flicker(room *r, int frames, double *beat)
 {
     double sum = 0.0, last = NAN, most = 0.0;
@@ -95,8 +95,8 @@ static double beyond(double x)
 static const double rates[] = {10.7, 12.5, 15, 24, 25, 27, 29.97, 30, 33, 48, 50, 60, 66, 72, 90, 120, 144, 200, 240};
 enum { RATES = sizeof rates / sizeof rates[0] };
 
-/* A beat of half the frame rate, nearly, looks the same forwards and backwards: how far the mains are off cannot be
- * learned from it, and the swell that makes is followed late. */
+/* Flicker at almost half the frame rate looks the same forwards and backwards: the mains' deviation cannot be learned
+ * from it, and the swell that the deviation causes is followed late. */
 static int is_half(double lamp_hz, double fps)
 {
     return beyond(lamp_hz / fps) > 0.5 - 1.0 / 64.0;
@@ -107,7 +107,7 @@ static void check_rates(double jitter_s, double drops, const char *what)
     static const double lamps[] = {100.0, 100.08, 120.0, 119.93}, shares[] = {0.01, 0.1, 0.3};
     double worst = 0.0, half = 0.0, before = 0.0;
     int left = 0;
-    /* In fives and sevens: all lamps, too. */
+    /* In steps of five or seven: this still includes all lamps. */
     for (int i = 0; i < RATES * 4 * 3; i += CHECK_SANITIZED ? 7 : check_every(5)) {
         const double fps = rates[i / 12], lamp_hz = lamps[i / 3 % 4], share = shares[i % 3];
         const int second = (int)ceil(fps), long_enough = 7 * second > 260 ? 7 * second : 260;
@@ -140,7 +140,7 @@ static void check_rates(double jitter_s, double drops, const char *what)
         what, before, worst, half, left);
 }
 
-/* Light that steps under a lamp, which changes the loop's exposures, too; and the lamp goes off. */
+/* Light that steps under a lamp, which also changes the loop's exposures; then the lamp is switched off. */
 static void check_steps(void)
 {
     static const double steps[] = {1.0, -2.0, 0.5, -0.3, 3.0, -1.5};
@@ -156,7 +156,7 @@ static void check_steps(void)
         flicker(&r, 8 * second + 100, NULL);
         for (int i = 0; i < 6; i++) {
             r.level_ev += steps[i];
-            flicker(&r, 2 * second + 20, NULL); /* the step itself is seen, and the new exposure's wave is another */
+            flicker(&r, 2 * second + 20, NULL); /* the step itself shows, and the new exposure has another wave */
             after = fmax(after, flicker(&r, second, NULL));
             flicker(&r, 5 * second + 100, NULL);
             const double rms = flicker(&r, second, NULL);
@@ -187,7 +187,7 @@ static double normal(void)
     return sqrt(-2.0 * log(u)) * cos(2.0 * PI * check_uniform());
 }
 
-/* log2 of its light at frame i, from that of the frame before. */
+/* log2 of its light at frame i, given that of the frame before. */
 static double ordinary(int kind, double fps, int i, double *state)
 {
     const double t = i / fps;
@@ -196,7 +196,7 @@ static double ordinary(int kind, double fps, int i, double *state)
         return 0.05 * normal();
     case WALK:
         return *state = 0.999 * *state + 0.03 * normal();
-    case PANS: /* there and back, each its own way and speed */
+    case PANS: /* there and back, at different speeds */
         if (i % 97 == 0)
             state[1] = 0.05 * (check_uniform() - 0.5);
         *state = 0.995 * *state + state[1];
@@ -209,7 +209,7 @@ static double ordinary(int kind, double fps, int i, double *state)
         return 0.07 * (t - floor(t) < 0.5);
     case STROBES: /* one frame of 5 to 30, and back */
         return i % (5 + i / 1000 % 26) == 0 ? 3.0 : 0.0;
-    case WAVES: /* a person walks by: nothing of it is steady */
+    case WAVES: /* a person walks by: nothing is periodic */
         state[0] += 2.0 * PI * (1.5 + 0.5 * sin(0.9 * t)) / fps;
         return 0.2 * sin(state[0]);
     default:
@@ -217,7 +217,7 @@ static double ordinary(int kind, double fps, int i, double *state)
     }
 }
 
-/* What of a frame's light the digital loop takes out. */
+/* How much of a frame's light the digital loop removes. */
 static double taken_out(pupil_t *pupil, double ev, int64_t timestamp_ns)
 {
     pupil_stats stats;
@@ -257,7 +257,7 @@ static void check_ordinary(void)
 
 /* --- the digital loop --- */
 
-/* Of the frame itself, as pupil_process maps it, and of the next one, as frames that are mapped by older statistics. */
+/* For the frame itself, as in pupil_process, and for the next one, as with mapping by older statistics. */
 static void check_digital(void)
 {
     double now = 0.0, next = 0.0, without = 0.0;
@@ -292,8 +292,8 @@ static void check_digital(void)
     CHECK(without > 0.05 && now <= LIMIT_EV && next <= LIMIT_EV);
 }
 
-/* One frame whose exposure is no number, or one that no frame can have: nothing runs out of range (which the asan
- * preset sees), and the beat is found again. */
+/* One frame with an exposure that is NaN or impossible: nothing goes out of range (the asan preset would see it), and
+ * the flicker is found again. */
 static void check_wrong_exposures(void)
 {
     static const double wrong[] = {INFINITY, 1e300, 0x1p64, 1e10};
@@ -319,7 +319,7 @@ static void check_wrong_exposures(void)
     }
 }
 
-/* Whatever comes, all stays finite, and the same frames give the same bits. */
+/* For any input everything stays finite, and the same frames give the same bits. */
 static uint64_t abuse(void)
 {
     static const double evs[] = {0.0, -300.0, 60.0, NAN, INFINITY};
@@ -369,7 +369,7 @@ static float scale_at(const pupil_t *pupil, int64_t timestamp_ns)
     return curve.scale;
 }
 
-/* Of frames that are far from the last one, and of those without a time, nothing is known. */
+/* For frames far from the last one, and for those without a time, nothing is known. */
 static void check_far_away(void)
 {
     pupil_config config;
@@ -390,8 +390,8 @@ static void check_far_away(void)
     CHECK(scale_at(&pupil, 0) == (float)e.scale);
 }
 
-/* Two exposures that end, by the info, nearly at once, which is a frame rate without a meaning: nothing is taken out of
- * the frames after them, and after a pause the lamp is found. */
+/* Two exposures that end, by their info, almost at the same time, which gives a meaningless frame rate: nothing is
+ * removed from later frames, and after a pause the lamp is found. */
 static void check_no_period(void)
 {
     pupil_config config;

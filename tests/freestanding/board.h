@@ -1,4 +1,4 @@
-/* tests/freestanding/board.h: the one thing that a program on the bare board can do. */
+/* tests/freestanding/board.h: the only thing that a program on the bare board can do. */
 #ifndef PUPIL_TESTS_BOARD_H
 #define PUPIL_TESTS_BOARD_H
 

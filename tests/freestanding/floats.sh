@@ -1,6 +1,6 @@
 #!/bin/sh
-# floats.sh: flags that would change the library's bits are refused when it is compiled, with a sentence that says which
-# would be right (lib/base/exact.h); those that it is built with are not.
+# floats.sh: flags that would change the library's bits are refused at compile time, with a sentence that says which
+# would be right (lib/base/exact.h); those that it is built with are accepted.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 lib=$here/../../lib

@@ -1,7 +1,8 @@
 #!/bin/sh
-# stack.sh NAME FOLDER [SIZE]: the stack of every function of the library by what the compiler said (-fstack-usage), in
-# FOLDER/core, FOLDER/kernels and so on: at most 1024 bytes, and 4608 in kernels, where mapping keeps a buffer that stays
-# in the first-level cache. Never without a bound. With the tool SIZE: how large the code is; it has no data.
+# stack.sh NAME FOLDER [SIZE]: the stack of every function of the library, as reported by the compiler (-fstack-usage),
+# in FOLDER/core, FOLDER/kernels and so on: at most 1024 bytes, and 4608 in kernels, where mapping has a buffer that
+# fits into the first-level cache. Never unbounded. With the tool SIZE: how large the code is, and that there is no
+# data.
 set -eu
 name=$1 folder=$2 size=${3-}
 usage=$(mktemp)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# stack_levels.sh LEVELS...: stack.sh for what each compiler makes of the library at these levels of optimisation.
+# stack_levels.sh LEVELS...: stack.sh for the library from each compiler at these optimisation levels.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)

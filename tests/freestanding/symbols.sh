@@ -1,7 +1,7 @@
 #!/bin/sh
-# symbols.sh ARCHIVE [SHARED_LIBRARY]: the core calls nothing but four functions that every compiler may call on its
-# own (no allocator, no libm, no stdio), and neither library defines a global name that does not begin with pupil_. What
-# the shared library exports has the version of its soname.
+# symbols.sh ARCHIVE [SHARED_LIBRARY]: the core calls nothing but four functions that every compiler may call on its own
+# (no allocator, no libm, no stdio), and all global names of both libraries begin with pupil_. The exports of the shared
+# library have the version of its soname.
 set -eu
 archive=$1
 shared=${2:-}
@@ -10,7 +10,7 @@ NM=${NM:-nm}
 defined=$("$NM" -g --defined-only "$archive" | awk 'NF == 3 { print $3 }' | sort -u)
 [ -n "$defined" ] || { echo "symbols.sh: $archive defines nothing"; exit 1; }
 
-# A shared object of gcc also refers to the table of its own addresses.
+# A shared object from gcc also refers to its own global offset table.
 undefined=$("$NM" -g --undefined-only "$archive" | awk 'NF == 2 { print $2 }' | sort -u |
     grep -vxF "$defined" | grep -vxE 'memcpy|memmove|memset|memcmp|_GLOBAL_OFFSET_TABLE_' || :)
 foreign=$(echo "$defined" | grep -v '^pupil_' || :)
@@ -36,7 +36,7 @@ if [ -n "$shared" ]; then
         status=1
     fi
     exported=$(echo "$exported" | sed 's/@@.*//')
-    # What the headers promise is what the library exports, no more and no less.
+    # The library exports exactly what the headers declare.
     promised=$(cat "$(dirname "$0")"/../../lib/include/pupil/*.h | tr '\n' ' ' |
         grep -oE 'PUPIL_API [a-z0-9_ *]*pupil_[a-z0-9_]+\(' | grep -oE 'pupil_[a-z0-9_]+\($' | tr -d '(' | sort -u)
     if [ "$exported" != "$promised" ]; then

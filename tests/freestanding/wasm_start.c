@@ -1,4 +1,4 @@
-/* What a program needs to be run as a module of WebAssembly: an export that calls main, and an import that prints. */
+/* What a program needs to run as a WebAssembly module: an export that calls main, and an import that prints. */
 #include "board.h"
 
 int main(void);

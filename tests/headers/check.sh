@@ -1,6 +1,6 @@
 #!/bin/sh
-# check.sh: every public header compiles alone, twice included, as C11 and as C++11 to C++20, by each compiler that is
-# here.
+# check.sh: every public header compiles alone, included twice, as C11 and as C++11 to C++20, with each installed
+# compiler.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# check.sh BUILD: installs BUILD into an empty folder, moves that, and builds and runs programs against what lies there:
-# by pkg-config and by find_package, in C and in C++, with the shared and with the static library.
+# check.sh BUILD: installs BUILD into an empty folder, moves that, and builds and runs programs against it: by
+# pkg-config and by find_package, in C and in C++, with the shared and with the static library.
 set -eu
 build=$1
 here=$(cd "$(dirname "$0")" && pwd)
@@ -8,7 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 cmake --install "$build" --prefix "$work/first" >"$work/log" || { cat "$work/log"; exit 1; }
-mv "$work/first" "$work/moved" # the files find each other wherever the tree lies
+mv "$work/first" "$work/moved" # the files find each other regardless of the tree's location
 prefix=$work/moved
 
 libdir=$(dirname "$(find "$prefix" -name libpupil.a)")
@@ -28,7 +28,7 @@ if [ -x "$prefix/bin/pupil" ]; then
     done
 fi
 
-# The Python module finds the library that was installed with it, and is where Python looks below this prefix.
+# The Python module finds the library that was installed with it, and is where Python looks under this prefix.
 module=$(find "$prefix" -type d -name pupil_ae)
 if [ -n "$module" ] && python3 -c 'import numpy' 2>/dev/null; then
     PYTHONPATH=$(dirname "$module") PYTHONDONTWRITEBYTECODE=1 python3 -c 'import sys, pupil_ae
@@ -48,8 +48,8 @@ for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     LD_LIBRARY_PATH= "$work/a.out"
 done
 
-# The camera's controls and its loop: what the archive shows to others has its name before it. Of libpupil the controls
-# need headers only, and the loop the calls of pupil/sensor.h.
+# The camera's controls and its loop: the archive's visible symbols have its prefix. Of libpupil the controls need only
+# headers, and the loop the calls of pupil/sensor.h.
 archive=$libdir/libpupil-camera.a
 foreign=$(nm -g --defined-only "$archive" | awk 'NF == 3 && $3 !~ /^pupil_camera_/ { print $3 }')
 [ -z "$foreign" ] || { echo "check.sh: libpupil-camera.a defines" $foreign; exit 1; }
@@ -68,7 +68,7 @@ for header in camera_controls camera_loop; do
             -o "$work/alone.o"
     done
 done
-# Alone in a program, and with the static libpupil.
+# Alone in a program, and together with the static libpupil.
 cat >"$work/loop.c" <<'END'
 #include <pupil/camera_loop.h>
 
@@ -87,7 +87,7 @@ for compiler in "gcc -std=c11" "g++ -std=c++11 -xc++"; do
     LD_LIBRARY_PATH= "$work/loop"
 done
 
-# The examples, by the lines that they give themselves, and as C++.
+# The examples, with the commands in their own comments, and as C++.
 examples=$here/../../docs/examples
 for name in meter_only decoder_i420 mat_bgr mono_y10p own_camera full; do
     packages=$(sed -n "s/.*cc $name\.c .(pkg-config --cflags --libs \([a-z -]*\))\( -lm\)* -o $name\( \*\/\)*\$/\1/p" "$examples/$name.c")

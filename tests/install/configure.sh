@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a packager may give cmake: options that cannot be met are refused by their name, a unity build is not made.
+# CMake options of packagers: impossible ones are refused by name, and unity builds are disabled.
 set -eu
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)

@@ -1,4 +1,4 @@
-/* A program of somebody else's, in the language that C and C++ share. */
+/* Another project's program, in the common subset of C and C++. */
 #include <pupil/pupil.h>
 
 #include <stdio.h>
@@ -14,7 +14,7 @@ int main(void)
     pupil_image to;
     int i;
     for (i = 0; i < 4 * 4 * 3; i++)
-        in[i] = 40.0f; /* an even grey frame, whatever its light, comes out at the key, 0.18 */
+        in[i] = 40.0f; /* an even grey frame comes out at the key, 0.18, for any light */
     memset(&from, 0, sizeof from);
     memset(&to, 0, sizeof to);
     from.data = in;

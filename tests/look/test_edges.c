@@ -1,4 +1,4 @@
-/* Edges: each pixel against the operator as a textbook has it; groups of rows; formats; what is refused. */
+/* Edges: each pixel against the textbook operator; groups of rows; formats; what is refused. */
 #include "check.h"
 #include "pupil/look.h"
 
@@ -93,7 +93,7 @@ static void compare(uint32_t pixel, int width, int height, unsigned threshold, i
 
 static void check_step(void)
 {
-    /* a step of 50 codes has 200, on both of its sides; the slopes beside it 1 code in 8 pixels */
+    /* a step of 50 codes has 200, on both of its sides; the slopes next to it have 1 code in 8 pixels */
     uint64_t edges = 0;
     const pupil_image_const image = {
         .data = in, .stride_bytes = 64 * 3, .width = 64, .height = 20, .pixel = PUPIL_PIXEL_RGB8};
@@ -102,7 +102,7 @@ static void check_step(void)
     CHECK(pupil_mark_edges(&image, 190, in, &to, &edges) == PUPIL_OK && edges == 2 * 20);
     CHECK(pupil_mark_edges(&image, 230, in, &to, &edges) == PUPIL_OK && edges == 0);
     CHECK(pupil_mark_edges(&image, 190, in, &to, NULL) == PUPIL_OK);
-    /* an output has its input's format, and nothing is read of a coding that it has */
+    /* an output has its input's format, and its coding is not read */
     const pupil_coding of_another = {.size_bytes = sizeof of_another, .matrix = 77};
     pupil_image coded = to;
     coded.coding = &of_another;

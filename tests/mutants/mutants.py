@@ -43,11 +43,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 TREE = HERE.parent.parent
 SHORTEST_LIMIT_S = 5.0
 LINK_S = 0.1
-NO_CACHE = dict(os.environ, CCACHE_DISABLE="1")  # it would only keep what is never compiled again
+NO_CACHE = dict(os.environ, CCACHE_DISABLE="1")  # it would only keep objects that are never compiled again
 SANITIZERS = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")  # of the tests, not of the mutant
-OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # of a program, and of a shell whose program it was
-# Of each room the names of its files, and its tests.
+os.environ.setdefault("ASAN_OPTIONS", "detect_leaks=0")  # the tests', not the mutant's
+OUT_OF_TIME = (-signal.SIGXCPU, 128 + signal.SIGXCPU)  # a program's, and that of a shell that ran it
+# For each room the names of its files, and its tests.
 ROOMS = {
     "lib/base": (r".", r"^(base|core|flicker|stream)\."),
     "lib/core": (r".", r"^(core|stream|scene|row_gain)\."),
@@ -88,8 +88,8 @@ def limited(limit_s):
 
 
 def ended(process, limit_s):
-    """The exit code, or None where it was ended at a limit; and the seconds of a processor that it and its children
-    took. These are limited, so that a busy machine kills nothing; so is, more loosely, how long a program may wait."""
+    """The exit code, or None if it was killed at a limit; and the processor seconds of it and its children. These
+    are limited, so that a busy machine kills nothing; so is, more loosely, a program's waiting time."""
     last = time.monotonic() + 60.0 * (limit_s or float("inf"))
     while True:
         pid, status, usage = os.wait4(process.pid, os.WNOHANG)
@@ -112,7 +112,7 @@ class Source:
         self.text = path.read_text()
 
     def compiled(self, text, obj, flags=()):
-        """The object's bytes, or None. The same text gives the same bytes, for the copy has the file's name."""
+        """The object's bytes, or None. The same text gives the same bytes, because the copy has the file's name."""
         with tempfile.TemporaryDirectory(dir=obj.parent) as folder:
             own = pathlib.Path(folder) / self.path.name
             own.write_text(f'#line 1 "{self.path.name}"\n' + text)
@@ -124,7 +124,7 @@ class Source:
 
 
 def drawn(sources, seed):
-    """All mutations but those of extremes, in an order that takes the kinds in turn and is random within each."""
+    """All mutations except those of extremes, in an order that takes the kinds in turn and is random within each."""
     kinds = {}
     for source in sources:
         for m in mutations.mutations_of(source.text):
@@ -139,7 +139,7 @@ def drawn(sources, seed):
 
 
 def description(source, m):
-    """Without the line's number, which any change of the file moves."""
+    """Without the line's number, which changes with any edit of the file."""
     shown = [" ".join(t.split()) or "(nothing)" for t in (m.before, m.after)]
     line_start = source.text.rfind("\n", 0, m.start) + 1
     same_before = source.text[line_start : m.start].count(m.before)
@@ -153,7 +153,8 @@ def excuses(path):
 
 
 def compiled_mutants(sources, count, seed, work, jobs, ends_at, kept):
-    """The first COUNT that compile to other code: (source, mutation, object). And how many did not, were the same."""
+    """The first COUNT that compile to other code: (source, mutation, object). Also how many did not compile, and how
+    many gave the same code."""
     plain = {s.name: s.compiled(s.text, work / "plain.o") for s in sources}
     found, number_of = [], {"broken": 0, "same": 0}
     order = list(enumerate(drawn(sources, seed)))
@@ -210,14 +211,14 @@ def judged(tests, obj, work, flags=()):
 
 
 def tests_id(tests):
-    """Others where a test was added, left out or built again."""
+    """Changes if a test is added, removed or rebuilt."""
     said = [f"{t.name} {pathlib.Path(t.program).stat().st_mtime}" for t in sorted(tests, key=lambda t: t.name)]
     return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
 
 
 class Kept:
-    """What runs before found, a line each: of what, tab, the verdict; or how long a test takes. Of a file that has
-    changed none counts; what survived also says which tests."""
+    """Results of earlier runs, one a line: the key, tab, the verdict; or how long a test takes. Results of a changed
+    file do not count; survivors also name their tests."""
 
     def __init__(self, path):
         self.path, self.verdicts = path, {}

@@ -38,12 +38,12 @@ def tokens_of(text):
 
 
 def is_binary(text, start, end):
-    """Operators with two operands have a space on both sides; pointers and signs have not."""
+    """Operators with two operands have a space on both sides; pointers and signs do not."""
     return text[start - 1] in " \n" and text[end] in " \n"
 
 
 def numbers(token):
-    """What a constant becomes."""
+    """What a constant is changed to."""
     if re.fullmatch(r"\d+[uUlL]*", token):
         digits, suffix = re.fullmatch(r"(\d+)([uUlL]*)", token).groups()
         n = int(digits)
@@ -72,7 +72,7 @@ def closing(tokens, i):
 
 
 def is_array_size(tokens, i):
-    """A number in brackets behind a name that is declared there."""
+    """A number in brackets after a name in its declaration."""
     if tokens[i - 1][0] != "[" or i < 3:
         return False
     j = i - 2
@@ -108,7 +108,7 @@ def of_statement(text, tokens, i):
 
 
 def function_depths(tokens):
-    """Of each token whether it is in a function's body: the braces that follow a closing parenthesis."""
+    """For each token, whether it is in a function's body: braces that follow a closing parenthesis."""
     inside, depth, was = [], 0, ""
     for word, _, _ in tokens:
         if word == "{" and (depth or was == ")"):
@@ -153,8 +153,8 @@ def mutated(text, mutation):
 
 
 def is_of_extreme(text, m):
-    """Whether it changes a < b ? a : b or the like to <=: it makes no difference which of two that are equal is taken,
-    but it does which 0."""
+    """Whether it changes a < b ? a : b or the like to <=: which of two equal values is taken makes no difference,
+    except for the sign of 0."""
     if m.before not in ("<", "<=", ">", ">="):
         return False
     head = " ".join(re.split(r"[;{}]", text[: m.start])[-1].split())

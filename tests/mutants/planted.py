@@ -29,7 +29,7 @@ def errors_of(text):
 
 
 def planted(text, changes):
-    """The text with all of them, or a sentence why not."""
+    """The text with all changes, or a sentence why not."""
     for before, after in changes:
         if text.count(before) != 1:
             return None, f"{text.count(before)} times in the file: {before}"

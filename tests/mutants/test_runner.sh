@@ -1,5 +1,5 @@
 #!/bin/sh
-# test_runner.sh: the runner of mutants, with a small C file of which it is known what becomes of each mutation.
+# test_runner.sh: the runner of mutants, with a small C file for which the verdict of each mutation is known.
 set -eu
 cd "$(dirname "$0")"
 command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }

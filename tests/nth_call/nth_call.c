@@ -1,4 +1,4 @@
-/* tests/nth_call/nth_call.c: which call it is. */
+/* tests/nth_call/nth_call.c: decides which call fails. */
 #include "nth_call.h"
 
 #include <errno.h>

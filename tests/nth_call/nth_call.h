@@ -1,8 +1,8 @@
-/* tests/nth_call/nth_call.h: the n-th call fails that the drivers make to the C library or to a library for files.
+/* tests/nth_call/nth_call.h: makes the n-th call fail that the drivers make to the C library or to a library for files.
  *
- * The linker puts the functions of nth_libc.c, nth_media.c and nth_egl.c in the place of those that they are named
- * after (CMakeLists.txt), for what is linked statically: the drivers, the test. What shared libraries call for
- * themselves is not counted. Freeing and closing is done all the same, and then said to have failed.
+ * The linker replaces functions by those of the same name in nth_libc.c, nth_media.c and nth_egl.c (CMakeLists.txt),
+ * for statically linked code: the drivers, the test. Calls within shared libraries are not counted. Freeing and closing
+ * still happen, and then report failure.
  */
 #ifndef PUPIL_TESTS_NTH_CALL_H
 #define PUPIL_TESTS_NTH_CALL_H
@@ -12,29 +12,29 @@
 typedef enum nth_mode {
     NTH_FAILS,       /* by the function's usual error */
     NTH_INTERRUPTED, /* of those that wait: EINTR, which must make no difference */
-    NTH_SHORT        /* read and write move a part of what was asked for; nor may that */
+    NTH_SHORT        /* read and write move only a part; that must make no difference either */
 } nth_mode;
 
-/* Calls of this thread are counted from now on, and of those that it starts; the one with the number `at`, from 1,
- * fails. 0: none does. */
+/* From now on calls of this thread and of those that it starts are counted; call number `at`, from 1, fails. 0: none
+ * does. */
 void nth_begin(unsigned long at, nth_mode mode);
 
-/* No more. How many there were; `failed`: the name of the one that failed, NULL: there was none. */
+/* Stops counting. Returns the number of calls; `failed`: the name of the one that failed, NULL: none. */
 unsigned long nth_end(const char **failed);
 
-/* Only calls of these functions count from now on, up to a NULL; NULL: all. For where the test's own stand-ins call
- * the others. */
+/* From now on only calls of these functions count, up to a NULL; NULL: all. For tests whose own fakes call the
+ * others. */
 void nth_only(const char *const *names);
 
 /* For the wrappers. Whether this call fails; then errno is set. */
 int nth_fails(const char *name, int error);
 /* Of read and write: `bytes` becomes less where this call is to be short. */
 int nth_moves(const char *name, size_t *bytes, int error);
-/* Of calls that wait and otherwise do not fail. */
+/* For calls that wait and otherwise do not fail. */
 int nth_waits(const char *name);
 
-/* NTH_CALL(name, type, value where it fails, errno, parameters, arguments): at the beginning of a line, for CMake reads
- * the names. */
+/* NTH_CALL(name, type, value where it fails, errno, parameters, arguments): at the beginning of a line, because CMake
+ * reads the names. */
 #define NTH_CALL(name, type, failure, error, parameters, arguments)                                                    \
     type __real_##name parameters;                                                                                     \
     type __wrap_##name parameters;                                                                                     \

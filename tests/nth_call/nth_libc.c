@@ -1,5 +1,5 @@
-/* tests/nth_call/nth_libc.c: the C library's functions that may fail. Both names of those that take file offsets, and
- * those that the compiler makes of them to check their arguments. */
+/* tests/nth_call/nth_libc.c: the C library's functions that may fail. Both names of those with file offsets, and the
+ * checked variants that the compiler calls instead. */
 #include "nth_call.h"
 
 #include <dirent.h>
@@ -122,7 +122,7 @@ int __wrap_fcntl64(int fd, int command, long argument)
     return __wrap_fcntl(fd, command, argument);
 }
 
-/* The stream's own mark of an error is set, as it is by the real one; how, only glibc says. */
+/* The stream's error flag is set, as by the real function; how to do that is specific to glibc. */
 size_t __real_fwrite(const void *of, size_t bytes, size_t count, FILE *file);
 size_t __wrap_fwrite(const void *of, size_t bytes, size_t count, FILE *file);
 size_t __wrap_fwrite(const void *of, size_t bytes, size_t count, FILE *file)

@@ -1,4 +1,4 @@
-/* tests/nth_call/nth_media.c: functions of the libraries for files and video that may fail: mostly where there is no
+/* tests/nth_call/nth_media.c: functions of the libraries for files and video that may fail: mostly because there is no
  * memory, or the disk is full. */
 #include "nth_call.h"
 
