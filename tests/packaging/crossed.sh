@@ -1,6 +1,6 @@
 #!/bin/sh
-# crossed.sh ARCHITECTURE TRIPLET QEMU: in the Debian that built them (test_cross.sh): packages of another architecture are
-# installed, and do what they are for in qemu's user mode.
+# crossed.sh ARCHITECTURE TRIPLET QEMU: in the Debian that built them (test_cross.sh): packages of another architecture
+# are installed and work in qemu's user mode.
 set -eu
 architecture=$1 triplet=$2 qemu=$3
 cd /build

@@ -1,5 +1,6 @@
-# roots.sh: for the tests of packages: $tree; clean_root makes and names a clean Debian that has what users have, and
-# what tests install. build_packages ARCHITECTURE makes the packages; both are kept in build/deb for the next test.
+# roots.sh: for the tests of packages: sets $tree; clean_root makes and names a clean Debian with a user's packages and
+# those that tests install. build_packages ARCHITECTURE makes the packages; both are kept in build/deb for the next
+# test.
 tree=$(cd "$(dirname "$0")/../.." && pwd)
 skip() {
     echo "skipped: $1"
@@ -24,8 +25,8 @@ clean_root() {
     : >"$clean.made"
 }
 
-# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were made of this tree (pictures and the tests of
-# packages aside)
+# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were already made from this tree (without
+# pictures and the tests of packages)
 build_packages() {
     now=$(cd "$tree" && git ls-files --cached --others --exclude-standard |
         grep -vE '^(docs/.*\.(jpg|png)|tests/(packaging|vm)/)' | while read -r name; do

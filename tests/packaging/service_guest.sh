@@ -1,6 +1,6 @@
 #!/bin/sh
-# service_guest.sh: a service of the guest of packaging.service, with the packages installed: pupil@video0 with a USB camera.
-# $camera is uvc_camera's file, $node node_command's, in this folder.
+# service_guest.sh: a service in the guest of packaging.service, with the packages installed: pupil@video0 with a USB
+# camera. $camera is uvc_camera's file, $node node_command's, in this folder.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 camera=$here/vm_uvc_camera node=$here/vm_node
@@ -13,7 +13,7 @@ fail() {
     failures=$((failures + 1))
 }
 property() { systemctl show -P "$1" $unit; }
-# until SECONDS WORDS COMMAND...: it is true within that time; the processor is emulated
+# until SECONDS WORDS COMMAND...: the command is true within that time; the processor is emulated
 until_true() {
     seconds=$1 words=$2
     shift 2
@@ -25,16 +25,17 @@ until_true() {
     return 1
 }
 is() { [ "$(property ActiveState)" = "$1" ]; }
-# level LIGHT: log-average of the camera's picture by its controls now: UVC_LIGHT at 10 ms, gain 1 and light 8
+# level LIGHT: log-average of the camera's picture, given its present controls: UVC_LIGHT at 10 ms, gain 1 and light 8
 level() {
     awk -v exposure="$("$node" get "$path" "Exposure Time, Absolute")" -v gain="$("$node" get "$path" Gain)" -v light="$1" \
         'BEGIN { print 0.1 * exposure / 100 * gain / 16 * 8 ^ (light - 8) }'
 }
-# The camera takes linear light for a display's, and may be 2.4 stops of that below its key (tests/vm/uvc_guest.sh).
+# The camera's linear light is taken for a display's codes, and may be 2.4 stops of those below the key
+# (tests/vm/uvc_guest.sh).
 is_right() { awk -v level="$(level "$1")" 'BEGIN { exit !(level > 0.034 && level < 0.24) }'; }
 status() { property StatusText; }
 kept() { sed -n 2p /var/lib/pupil/video0/exposure; }
-# begins_as_kept: the first frame of the run was taken with what was kept, within a tenth
+# begins_as_kept: the first frame of the run was taken with the kept setting, within a tenth
 begins_as_kept() {
     journalctl _PID="$(property MainPID)" -o cat --no-pager | grep -m 1 '^{' >first.json
     sed 's/.*"exposure_s": *\([^,]*\),"gain": *\([^,]*\),.*/\1 \2/' first.json |
@@ -42,7 +43,7 @@ begins_as_kept() {
             END { exit !ok }' || fail "the first frame is not as it was kept, $(kept): $(cat first.json)"
 }
 
-# plugged in, and not enabled: nothing begins
+# plugged in but not enabled: nothing starts
 plug display
 until_true 60 "no unit for the device" systemctl -q is-active dev-video0.device
 sleep 3
@@ -51,7 +52,7 @@ kill -TERM $plugged
 wait $plugged
 until_true 60 "the device is still there" eval '! systemctl -q is-active dev-video0.device'
 
-# enabled, and no camera: nothing begins; plugged in: started once it has converged
+# enabled without a camera: nothing starts; plugged in: started once it has converged
 mkdir -p /etc/pupil
 echo 'PUPIL_OPTIONS=--mode sensor --width 320 --height 240 --framerate 5 --stats -' >/etc/pupil/video0.conf
 systemctl -q enable $unit || fail "it cannot be enabled"
@@ -71,7 +72,7 @@ until_true 60 "nothing is kept" test -s /var/lib/pupil/video0/exposure
 kept=$(kept)
 echo "kept: $kept"
 
-# killed: back by itself, and begins with what was kept
+# killed: it restarts by itself, with the kept setting
 systemctl kill -s KILL $unit
 until_true 60 "it is not begun again" eval '[ "$(property NRestarts)" = 1 ] && [ "$(property MainPID)" != 0 ]'
 until_true 180 "it is not back" is active || journalctl -u $unit --no-pager -n 30
@@ -88,7 +89,7 @@ echo "eight times the light: the camera's picture is at $(level 9)"
 until_true 120 "light 8: the camera's picture is at $(level 8)" is_right 8
 sleep 5
 
-# unplugged: it ends with its device; plugged in again, with other settings, it begins with what was kept
+# unplugged: it ends with its device; plugged in again with other settings, it begins with the kept setting
 kill -TERM $plugged
 wait $plugged
 until_true 60 "unplugged: $(property ActiveState)" eval 'is inactive || is failed'

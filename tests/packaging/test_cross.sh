@@ -1,6 +1,7 @@
 #!/bin/sh
-# packaging.cross.ARCHITECTURE: test_cross.sh ARCHITECTURE TRIPLET QEMU: packages of another architecture are cross-built in a
-# clean Debian, lintian has nothing against them, and the program and the example of pkg-config run in qemu's user mode.
+# packaging.cross.ARCHITECTURE: test_cross.sh ARCHITECTURE TRIPLET QEMU: packages of another architecture are
+# cross-built in a clean Debian, lintian reports nothing, and the program and the pkg-config example run in qemu's user
+# mode.
 set -eu
 . "$(dirname "$0")/roots.sh"
 architecture=$1

@@ -1,6 +1,6 @@
 #!/bin/sh
-# packaging.debian: packages of this tree are built in a clean Debian, lintian has nothing against them, and in another clean
-# Debian they are installed, do what they are for, and leave nothing when purged.
+# packaging.debian: packages of this tree are built in a clean Debian, lintian reports nothing, and in another clean
+# Debian they are installed, work, and leave nothing when purged.
 set -eu
 . "$(dirname "$0")/roots.sh"
 build_packages "$(dpkg --print-architecture)"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# packaging.names: the packages are named after the soname, their version is the tree's, the changelog has it; what the
-# packages' tests and the unit say is what the program takes.
+# packaging.names: the packages are named after the soname, their version is the tree's and is in the changelog; the
+# program accepts what the packages' tests and the unit use.
 set -u
 . "$(dirname "$0")/../lib.sh"
 tree=$(cd "$(dirname "$0")/../.." && pwd)
@@ -25,7 +25,7 @@ done
 [ -e "$tree/packaging/yocto/pupil_$version.bb" ] || fail "the recipe of Yocto is not of $version"
 grep -qx "PUPIL_VERSION = $version" "$tree/packaging/buildroot/pupil/pupil.mk" || fail "pupil.mk is not of $version"
 
-# the options of CMake that recipes name are there
+# the CMake options that recipes name exist
 for option in $(grep -rhoE -- '-DPUPIL_[A-Z_0-9]+' "$tree/packaging" | sort -u | sed 's/-D//'); do
     grep -rqE "\b$option\b" "$tree/CMakeLists.txt" "$tree"/packaging/systemd/CMakeLists.txt "$tree/drivers/python/CMakeLists.txt" ||
         fail "a recipe names $option, which is no option"

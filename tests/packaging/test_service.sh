@@ -1,6 +1,7 @@
 #!/bin/sh
-# packaging.service: test_service.sh CAMERA NODE: pupil@video0 under systemd in a virtual machine, with a USB camera: the packages
-# are installed in a clean Debian, which is booted. It converges, is killed, is back, and has kept its state.
+# packaging.service: test_service.sh CAMERA NODE: pupil@video0 under systemd in a virtual machine, with a USB camera:
+# the packages are installed in a clean Debian, which is booted. It converges, is killed, restarts, and has kept its
+# state.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/roots.sh"
@@ -11,7 +12,7 @@ sh "$tree/tests/vm/make_guest.sh" amd64 "$guest"
 build_packages amd64
 clean_root
 
-# The root of the guest: files that apt has left in it, made once for these packages.
+# The root of the guest: a clean root with the packages installed by apt, made once for them.
 root=$tree/build/deb/guest
 if [ "$(cat "$root.tree" 2>/dev/null)" != "$(cat "$tree/build/deb/amd64.tree")" ]; then
     rm -rf "$root" "$root.tree"

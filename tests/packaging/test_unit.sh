@@ -1,12 +1,12 @@
 #!/bin/sh
-# packaging.unit: systemd accepts the unit, finds it well protected, and the unit's options are the program's.
+# packaging.unit: systemd accepts the unit, rates its protection well, and the program accepts its options.
 set -u
 . "$(dirname "$0")/../lib.sh"
 use_pupil
 needs systemd-analyze
 unit=$(dirname "$(dirname "$program")")/packaging/systemd/pupil@.service
 [ -e "$unit" ] || skip "no unit is built: $unit"
-# as it is installed, but for the program's place
+# as it is installed, except for the program's path
 sed "s|^ExecStart=[^ ]*|ExecStart=$program|; /^Documentation=/d" "$unit" >pupil@.service
 systemd-analyze verify "$room/pupil@.service" >verify 2>&1 || fail "verify: $(cat verify)"
 [ ! -s verify ] || fail "verify: $(cat verify)"
@@ -22,7 +22,7 @@ if systemd-analyze security --help | grep -q -- --offline; then
     echo "systemd-analyze security: $exposure"
 fi
 
-# its options, on a camera that is not there, whose name is long
+# its options, with a missing camera that has a long name
 long=$room/$(printf '%0120d' 0)
 mkdir "$long"
 line=$(sed -n '/^ExecStart=/{N; s/\\\n//; s/^ExecStart=[^ ]* //p}' "$unit" | sed "s|/dev/%I|$room/absent|; s|\${STATE_DIRECTORY}|$room|; s|\${RUNTIME_DIRECTORY}|$long|; s| \$PUPIL_OPTIONS||")

@@ -1,7 +1,7 @@
 #!/bin/sh
 # boot.sh ARCHITECTURE FOLDER SECONDS COMMAND...: boots the guest that make_guest.sh made in FOLDER, runs the command in
-# it, and exits with its status; what it printed is printed. 124: it was not done in time. 125: the guest came to
-# nothing else. COMMAND is an absolute path, and no word has blanks in it (they are words of the kernel's command line).
+# it, and exits with its status; what it printed is printed. 124: it did not end in time. 125: the guest failed
+# otherwise. COMMAND is an absolute path, and no word contains blanks (they are words of the kernel's command line).
 #
 # The guest sees the files of this machine, read-only, at the same paths; of another architecture those in $GUEST_ROOT.
 # Always emulated (TCG), so that it is the same everywhere; one processor, which is faster there than two.
@@ -35,7 +35,7 @@ command -v "${qemu%% *}" >/dev/null || {
 log=$folder/log.$$
 trap 'rm -f "$log"' EXIT
 status=0
-# Words, on purpose.
+# Unquoted on purpose.
 timeout -k 5 "$seconds" $qemu -accel tcg -smp 1 -m 768 -nodefaults -no-user-config -display none -no-reboot \
     -serial stdio -kernel "$folder/vmlinuz" -initrd "$folder/initrd" \
     -virtfs "local,path=${GUEST_ROOT:-/},mount_tag=host,security_model=none,readonly=on,multidevs=remap" \

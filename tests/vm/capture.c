@@ -1,6 +1,6 @@
-/* capture.c: runs in the guest (test_capture.sh). Frames of vivid through the driver that pupil has for cameras: every
- * format that is read, from each kind of buffer and each kind of input, held against the pattern that vivid draws; and
- * our own frames over its HDMI cable, bit by bit.
+/* capture.c: runs in the guest (test_capture.sh). Frames of vivid through pupil's camera driver: every format that is
+ * read, from each kind of buffer and each kind of input, is compared with the pattern that vivid draws; and our own
+ * frames over its HDMI cable, bit by bit.
  *
  * capture [smoke]: a few formats only. */
 #include <linux/videodev2.h>
@@ -26,7 +26,7 @@ static const uint32_t memory_asked[] = {PUPIL_V4L2_MEMORY_MMAP, PUPIL_V4L2_MEMOR
                                         PUPIL_V4L2_MEMORY_DMABUF};
 static const uint32_t memory_used[] = {V4L2_MEMORY_MMAP, V4L2_MEMORY_MMAP, V4L2_MEMORY_USERPTR, V4L2_MEMORY_DMABUF};
 
-/* Memory of another device (vgem) for frames: of three areas at most, each large enough for every size here. */
+/* Memory of another device (vgem) for frames: at most three areas, each large enough for every size here. */
 #define IMPORTED       3u
 #define IMPORTED_BYTES (1024u * 1024 * 2)
 static int imported[PUPIL_V4L2_MOST_AREAS * IMPORTED];
@@ -42,7 +42,7 @@ static void make_imported(void)
     }
 }
 
-/* The frame that is out is the same memory through its dma-buf. */
+/* The current frame has the same contents through its dma-buf. */
 static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_frame *frame, const char *what)
 {
     const pupil_v4l2_buffer *b = &c->buffer[frame->index];
@@ -59,7 +59,7 @@ static void check_shared_buffer(const pupil_v4l2_capture *c, const pupil_v4l2_fr
 
 /* --- a stream and its pattern --- */
 
-/* Frames until one has the pattern, which frames that were filled before it was set have not; and one more. */
+/* Takes frames until one has the pattern, because frames filled before it was set do not; then one more. */
 static void check_pattern(pupil_source *source, int fd, int pattern, memory_mode mode, const char *what)
 {
     const pupil_v4l2_capture *c = pupil_live_capture(source);
@@ -97,7 +97,7 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     snprintf(what, sizeof what, "%s, %s, %s, %ux%u", input, pupil_v4l2_fourcc_name(o.fourcc).text, memory_names[mode],
              o.width, o.height);
     const int failed = pupil_live_open(path, NULL, &(pupil_live_options){.capture = o, .hands_off = 1}, &source, &why);
-    /* RGB with the transfer function of BT.709 is what vivid says of HDMI, and is refused. */
+    /* vivid reports HDMI as RGB with the transfer function of BT.709, which is refused. */
     if (failed && strstr(why.text, "RGB of another transfer function") && strcmp(input, "HDMI") == 0)
         return;
     CHECK_MSG(!failed, "%s: %s", what, why.text);
@@ -117,7 +117,7 @@ static void check_format(const char *path, int fd, const pupil_v4l2_options *ask
     formats_seen++;
 }
 
-/* Every format that is read, the kinds of memory by turns; all of them for the first. */
+/* Every format that is read, with alternating kinds of memory; the first format with all of them. */
 static void check_formats(const char *path, int fd, const pupil_v4l2_options *o, const char *input, int smoke)
 {
     pupil_v4l2_device device;
@@ -152,7 +152,7 @@ static void check_camera(const char *path, int smoke)
     const pupil_v4l2_options vga = {.width = 640, .height = 480, .buffers = 2, .timeout_s = 20};
     const pupil_v4l2_options as_it_is = {.fourcc = V4L2_PIX_FMT_YUYV, .timeout_s = 20};
     const int fd = node_open(path);
-    CHECK(fd >= 0 && node_set(fd, "OSD Text Mode", 2) == 0); /* nothing written into the picture */
+    CHECK(fd >= 0 && node_set(fd, "OSD Text Mode", 2) == 0); /* nothing is drawn into the picture */
     CHECK(node_input(fd, 0) == 0);
     check_formats(path, fd, &webcam, "webcam", smoke);
     CHECK(node_input(fd, 3) == 0 && node_timings(fd, 640, 480, 60) == 0);

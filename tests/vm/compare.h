@@ -1,5 +1,5 @@
-/* tests/vm/compare.h: a frame in a dma-buf through the GPU and through the CPU, and how far they lie apart. In a
- * header, so that its checks count as the test's own. */
+/* tests/vm/compare.h: a frame in a dma-buf on the GPU and on the CPU, and how much they differ. In a header, so that
+ * its checks count as the test's own. */
 #ifndef PUPIL_TESTS_VM_COMPARE_H
 #define PUPIL_TESTS_VM_COMPARE_H
 
@@ -13,13 +13,13 @@
 #define SECOND_NS UINT64_C(1000000000)
 
 typedef struct figures {
-    double metering;       /* the log-average's distance, relative; the largest */
-    uint64_t samples, off; /* mapped samples, and those that are not equal */
+    double metering;       /* the log-average's relative difference; the largest */
+    uint64_t samples, off; /* mapped samples, and how many differ */
     int most;              /* by how many codes at most */
 } figures;
 
-/* What a texture has of a plane: `channels` side by side in memory, of which the first `compared` are read, and of
- * these the first `turned` in the other order. Codes up to `largest`, 255 or 65535. */
+/* How a texture stores a plane: `channels` side by side in memory; the first `compared` are read, and the first
+ * `turned` of them are in reverse order. Codes up to `largest`, 255 or 65535. */
 typedef struct texel_kind {
     uint32_t channels, compared, turned, largest;
 } texel_kind;
@@ -73,7 +73,7 @@ static void check_texels(const pupil_dmabuf_textures *textures, const pupil_imag
     }
 }
 
-/* Waits for what GL was given, so that the CPU may read what it wrote, and the camera write what it read. */
+/* Waits for GL to finish, so that the CPU may read what it wrote, and the camera may overwrite what it read. */
 static void wait_for_gl(const char *what)
 {
     const struct timespec pause = {0, 1000000};
@@ -110,7 +110,7 @@ static void compare_metering(pupil_gles *gles, pupil_t *pupil, const pupil_image
     CHECK(pupil_adapt(pupil, &gpu, NULL) == PUPIL_OK);
 }
 
-/* BGRX8's fourth byte is nothing: what GL leaves there is its own. */
+/* BGRX8's fourth byte is unused: GL may write anything there. */
 static void compare_pictures(const vgem_buffer *gpu, const pupil_image *cpu, figures *all, const char *what)
 {
     const unsigned char *picture = cpu->data;

@@ -2,9 +2,9 @@
  * copy, are metered and mapped by pupil_gles into a dma-buf, and go from there to a monitor (vivid's output) and over
  * its cable back into the camera.
  *
- * Held, for each format: a texture's texels are the codes in the buffer, all of them; the statistics and the mapped
- * picture are those of the CPU, by the tolerances of docs/gpu.md. For the way back: every byte of what the cable
- * brings is that of the mapped picture. */
+ * Checked for each format: all texels of a texture are the codes in the buffer; the statistics and the mapped picture
+ * are those of the CPU, within the tolerances of docs/gpu.md. For the way back: every byte from the cable is that of
+ * the mapped picture. */
 #include <linux/videodev2.h>
 
 #include "check.h"
@@ -18,7 +18,7 @@
 #include "vm/vgem.h"
 #include "vm/vivid.h"
 
-/* Small, for everything here is emulated. More frames than buffers, so that one is given back and filled again. */
+/* Small, because everything here is emulated. More frames than buffers, so that one is given back and refilled. */
 #define WIDTH  160u
 #define HEIGHT 96u
 #define FRAMES 4
@@ -29,7 +29,7 @@
 /* The items of vivid's menu "Test Pattern" (the kernel's v4l2-tpg.h: enum tpg_pattern). */
 enum { PATTERN_SQUARES = 4, PATTERN_NOISE = 20 };
 
-/* What vivid fills, and as what pupil takes it. */
+/* The formats that vivid fills, and those that pupil takes them for. */
 typedef struct format {
     const char *name;
     uint32_t fourcc, pixel;
@@ -55,7 +55,7 @@ static const format formats[] = {
     {"BAYER16", V4L2_PIX_FMT_SRGGB16, PUPIL_PIXEL_BAYER16, 0},
 };
 
-/* Where the mapped picture goes: a dma-buf that GL renders into. */
+/* The target of the mapped picture: a dma-buf that GL renders into. */
 typedef struct canvas {
     vgem_buffer memory;
     pupil_dmabuf_textures textures;
@@ -172,7 +172,7 @@ static int stream(vivid_node *node)
     return vivid_stream(node);
 }
 
-/* Maps one frame both ways, with the curve that its metering led to. */
+/* Maps one frame both ways, with the curve from its metering. */
 static void compare_mapping(const pupil_image_const *image, const canvas *c, figures *all, const char *what)
 {
     pupil_curve curve;
@@ -189,7 +189,7 @@ static void compare_mapping(const pupil_image_const *image, const canvas *c, fig
     free(out.data);
 }
 
-/* The camera's next frame, and its buffer given back. */
+/* Takes the camera's next frame, and gives its buffer back. */
 static void test_frame(const format *f, int number, const pupil_dmabuf_textures *textures, uint64_t *seen, figures *all)
 {
     int index = vivid_dequeue(&camera);
@@ -213,7 +213,7 @@ static void test_frame(const format *f, int number, const pupil_dmabuf_textures 
     CHECK(vivid_queue(&camera, (uint32_t)index) == 0);
 }
 
-/* Frames of one format. The object of the format before is used again where it is of the same pixels. */
+/* Frames of one format. The object of the previous format is used again if its pixels are the same. */
 static void test_format(const format *f)
 {
     static uint32_t opened = PUPIL_PIXEL_NONE;
@@ -254,8 +254,8 @@ static void test_formats(void)
     canvas_close(&canvases[0]);
 }
 
-/* The same as the program has it: a live source says where its frames are, and each buffer is imported once, until the
- * stream is another one. */
+/* The same as in the program: a live source says where its frames are, and each buffer is imported once, until the
+ * stream changes. */
 static void test_live_format(const format *f, const char *path)
 {
     vgem_buffer memory[VIVID_BUFFERS * 2];
@@ -363,8 +363,8 @@ static int fill_monitor(void)
     return index >= 0 ? 0 : -1;
 }
 
-/* The mapped picture over the cable: the monitor shows it for as long as it has no other, so each frame that the camera
- * takes is it. */
+/* The mapped picture over the cable: the monitor shows it until it gets another one, so each frame of the camera is
+ * that picture. */
 static void test_cable(void)
 {
     const size_t bytes = (size_t)VGA_WIDTH * VGA_HEIGHT * 4;

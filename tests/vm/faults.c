@@ -1,6 +1,6 @@
-/* faults.c: runs in the guest (test_faults.sh). Every error that vivid can be set to make, in the middle of a stream
- * that is recorded: what is said of it, that nothing is left open, that nothing waits for longer than it may, and that
- * the recording has every frame that was handed out, whole. */
+/* faults.c: runs in the guest (test_faults.sh). Every error that vivid can inject, in the middle of a recorded stream:
+ * the message, that nothing is left open, that nothing waits too long, and that the recording has every delivered
+ * frame, complete. */
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <pthread.h>
@@ -47,7 +47,7 @@ typedef struct play {
     uint64_t at; /* ... after so many frames; 0: before the camera is opened */
     unsigned frames;
     double reopen_s;
-    const char *sentence; /* that the stream ends with, or a part; NULL: it continues */
+    const char *sentence; /* the sentence that the stream ends with, or a part; NULL: it continues */
     uint64_t got;         /* frames that came */
     uint64_t hash[MOST];
     pupil_live_counts counts;
@@ -71,7 +71,7 @@ static void check_recording(const play *p, const char *folder)
     pupil_source_close(source);
 }
 
-/* Until the stream ends, or p->frames came. */
+/* Runs until the stream ends, or p->frames came. */
 static void stream(play *p, pupil_source *source, int control_fd, const char *folder)
 {
     const pupil_recorder_options options = {.camera = path, .fps = 60, .overwrite = 1, .wait = 1};
@@ -126,7 +126,7 @@ static void run(play *p)
     const node_held after = node_holds();
     CHECK_MSG(after.files == before.files && after.maps == before.maps, "%s: %d files and %d maps are left", p->name,
               after.files - before.files, after.maps - before.maps);
-    /* Sixty frames a second, some of them dropped, and emulated; the waits are what is bounded. */
+    /* Sixty frames a second, some of them dropped, and emulated; only the waits have bounds. */
     const double bound_s = p->frames / 10.0 + TIMEOUT_S + p->reopen_s + 5.0, took_s = now_s() - began_s;
     CHECK_MSG(took_s < bound_s, "%s: %g s", p->name, took_s);
     printf("%s: %llu frames, %llu lost, %llu flagged, %.1f s%s%s\n", p->name, (unsigned long long)p->got,
@@ -164,7 +164,7 @@ static void test_streams(void)
     CHECK(flagged.got == 15 && flagged.counts.flagged == 1);
 
     play queue = {.name = "QBUF in mid-stream", .control = "Inject VIDIOC_QBUF Error", .value = 1, .at = BEFORE};
-    queue.frames = 20; /* a buffer less from then on */
+    queue.frames = 20; /* one buffer less from then on */
     run(&queue);
     CHECK(queue.got == 20);
 
@@ -222,7 +222,7 @@ static void test_unplugged(void)
     gone.sentence = ": the camera was unplugged";
     run(&gone);
     CHECK(gone.got >= BEFORE && gone.got < 20);
-    driver_says("unbind"); /* what was disconnected does not come back by itself */
+    driver_says("unbind"); /* a disconnected device does not come back by itself */
     driver_says("bind");
 
     for (int back = 0; back < 2; back++) {
@@ -240,7 +240,7 @@ static void test_unplugged(void)
     }
 }
 
-/* The cable of HDMI is pulled. */
+/* The HDMI cable is unplugged. */
 static void test_signal(void)
 {
     const int fd = node_open(path);

@@ -1,6 +1,6 @@
 /* firmware_node.c: LD_PRELOAD in the guest of vm.libcamera. libcamera names webcams by their USB controller's firmware
- * node. The guest's controller has its far end in user space (vhci_hcd), and none: its place is taken by the file
- * /run/firmware_node. */
+ * node. The guest's controller has its far end in user space (vhci_hcd) and no firmware node: the file
+ * /run/firmware_node replaces it. */
 #undef _FILE_OFFSET_BITS /* both names of a call are defined here: with it the first would be the second */
 #undef _TIME_BITS
 #include <dlfcn.h>

@@ -12,7 +12,7 @@ modprobe -d "$MODULES" vhci-hcd
 modprobe -d "$MODULES" uvcvideo
 modprobe -d "$MODULES" vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0 ccs_cap_mode=0
 
-# The few plugins that are used: an emulated machine takes minutes to look at all.
+# Only the plugins that are used: an emulated machine takes minutes to scan all.
 mkdir plugins
 ln -s "$3" plugins/
 for plugin in coreelements video4linux2 x264 matroska png multifile; do
@@ -30,7 +30,7 @@ show() {
     [ -z "$plots" ] || { echo "plot $1"; base64 <"$1"; echo "end of plot"; }
 }
 
-# until_messages N WORDS FILE: so many lines have these words; a busy machine needs its time
+# until_messages N WORDS FILE: so many lines have these words; a busy machine takes a while
 until_messages() {
     for _ in $(seq 300); do
         [ "$(grep -c -- "$2" "$3")" -lt "$1" ] || return 0

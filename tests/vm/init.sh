@@ -1,8 +1,8 @@
 #!/bin/busybox sh
 # init.sh: the guest's process 1. Its arguments are a command, which is run on the host's files (read-only; /dev, /proc,
-# /sys and /run are the guest's own) with MODULES, for modprobe -d. The last line says its exit status. Then the guest
-# ends: a reset ends qemu too. After "systemd" they are arguments of systemd, which becomes process 1 on the host's files with
-# memory above them.
+# /sys and /run are the guest's own) with MODULES, for modprobe -d. The last line is its exit status. Then the guest
+# ends: a reset also ends qemu. After "systemd" they are arguments of systemd, which becomes process 1 on the host's
+# files with an overlay in memory.
 /bin/busybox mkdir -p /proc /sys /dev /host
 /bin/busybox --install -s /bin
 export PATH=/bin

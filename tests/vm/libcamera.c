@@ -1,9 +1,9 @@
 /* libcamera.c: libcamera CAMERA: runs in the guest (test_libcamera.sh). libcamera's webcams, on the kernel's uvcvideo:
  * a camera in user space (CAMERA: uvc_camera.c) answers exposure time and gain, and the light changes.
  *
- * Held: light times 8 and by 8 is settled to 0.1 EV in delay + 3 frames and does not overshoot by more; the controls
- * are the user's again afterwards; a control that is refused loses no frame for ever; unplugging is one sentence, and
- * where it is told to wait, it continues. */
+ * Checked: light times 8 and divided by 8 is settled to 0.1 EV in delay + 3 frames and does not overshoot by more; the
+ * controls are restored afterwards; a refused control does not stop frames; unplugging gives one sentence, and with the
+ * option to wait, it continues. */
 #include <math.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -17,10 +17,10 @@
 #include "vm/uvc_seen.h"
 
 #define TIMEOUT_S 10.0
-#define KEY       0.03 /* so low that light times 8 is not clipped: nobody could say how bright that is */
+#define KEY       0.03 /* so low that light times 8 does not clip, and can be measured */
 #define SETTLED   0.1  /* EV */
 #define MORE      3    /* frames */
-#define GAIN      17 /* the user's: libcamera leaves it; so low that the exposure's steps of 100 us are below SETTLED */
+#define GAIN      17   /* the user's; libcamera leaves it; so low that exposure steps of 100 us are below SETTLED */
 
 static pupil_why why;
 static char path[32];
@@ -50,7 +50,7 @@ static void camera_unplug(void)
     sleep(1);
 }
 
-/* ---- the loop, as pupil run has it ---- */
+/* ---- the loop, as in pupil run ---- */
 
 typedef struct loop {
     pupil_source *source;
@@ -71,8 +71,7 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     pupil_config config;
     memset(l, 0, sizeof *l);
     l->is_linear = is_linear;
-    int failed =
-        1; /* until udevd has told libcamera of the camera: on a busy machine seconds after the kernel has it */
+    int failed = 1; /* until udevd has announced the camera: on a busy machine seconds after the kernel has it */
     for (int i = 0; i < 20 && failed; i++) {
         failed = pupil_live_open("libcamera:0", NULL, &options, &l->source, &why);
         sleep(failed && i < 19);
@@ -86,7 +85,7 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     return 0;
 }
 
-/* The camera's controls as they are now. */
+/* The camera's present controls. */
 static void loop_take(loop *l)
 {
     pupil_camera *camera = pupil_live_camera(l->source);
@@ -141,7 +140,7 @@ static double rest(loop *l, const char *what)
     return uvc_level(&l->truth);
 }
 
-/* From rest; frames are the camera's, from the first with the new light. */
+/* Starts at rest; frames are counted by the camera, from the first with the new light. */
 static void step(loop *l, int light, const char *what)
 {
     const double aim = rest(l, what);
@@ -208,7 +207,7 @@ static void test_light(const char *answers)
     camera_unplug();
 }
 
-/* A third of the writes is refused: those requests are cancelled, and frames go on coming. */
+/* A third of the writes is refused: those requests are cancelled, and frames still come. */
 static void test_refused(void)
 {
     static loop l;
@@ -223,7 +222,7 @@ static void test_refused(void)
         printf("refused: %llu settings, %llu requests cancelled, %u frames came, the stream was restarted %llu times\n",
                (unsigned long long)l.loop.refusals, (unsigned long long)c->cancelled, l.frames,
                (unsigned long long)c->restarted);
-        CHECK(c->cancelled >= 4 && l.loop.refusals >= 4); /* as many as buffers: without care it would stand still */
+        CHECK(c->cancelled >= 4 && l.loop.refusals >= 4); /* the number of buffers: without requeuing it would stop */
         CHECK(c->restarted == 0);
         pupil_source_close(l.source);
     }

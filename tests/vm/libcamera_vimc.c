@@ -1,5 +1,5 @@
 /* libcamera_vimc.c: runs in the guest (test_libcamera_vimc.sh). Frames of the kernel's simulated sensor (vimc) through
- * libcamera have V4L2's bytes, and so have their dma-bufs; what has no exposure says so. */
+ * libcamera have V4L2's bytes, and so have their dma-bufs; a camera without exposure reports that. */
 #include <linux/videodev2.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -15,7 +15,7 @@
 
 static pupil_why why;
 
-/* "/dev/video3" of an entity's name. */
+/* "/dev/video3" from an entity's name. */
 static int find_named(const char *folder, const char *wanted, char path[64])
 {
     for (int i = 0; i < 32; i++) {
@@ -41,7 +41,7 @@ static int open_source(const char *which, uint32_t fourcc, pupil_source **source
     return failed;
 }
 
-/* Every frame of a picture that stands still, row by row without padding. */
+/* Every frame of a still picture, row by row without padding. */
 static unsigned char *frames_of(const char *which, uint32_t fourcc, size_t *bytes)
 {
     pupil_source *source = NULL;
@@ -69,7 +69,7 @@ static unsigned char *frames_of(const char *which, uint32_t fourcc, size_t *byte
                   memcmp((unsigned char *)again + b->offset_bytes[0], frame.image.data, row) == 0);
             munmap(again, map_bytes);
         }
-        CHECK((b != NULL) == (strncmp(which, "libcamera:", 10) == 0)); /* of V4L2 nobody asked to share them */
+        CHECK((b != NULL) == (strncmp(which, "libcamera:", 10) == 0)); /* V4L2 buffers were not asked to be shared */
         pupil_source_done(source, &frame);
     }
     pupil_source_close(source);
@@ -121,7 +121,7 @@ int main(int argc, char **argv)
         close(fd);
     }
     test_no_exposure();
-    const node_held before = node_holds(); /* libcamera keeps a file of its own for the process */
+    const node_held before = node_holds(); /* libcamera keeps one of its files open for the process */
     compare(video, V4L2_PIX_FMT_RGB24, "RGB3");
     compare(video, V4L2_PIX_FMT_BGR24, "BGR3");
     const node_held after = node_holds();

@@ -18,7 +18,7 @@
 #define LOOP_HEIGHT 1080u
 #define LOOP_FRAMES 3 /* that come back whole; everything here is emulated */
 
-/* Frame n: words that no other frame has. */
+/* Frame n: 16-bit words that no other frame has. */
 static void loop_draw(uint32_t n, void *to, size_t bytes)
 {
     uint32_t *word = to, w = n * UINT32_C(0x9e3779b9) + 1;
@@ -30,7 +30,7 @@ static void loop_draw(uint32_t n, void *to, size_t bytes)
     }
 }
 
-/* Which of the frames 1 to `last` came back whole, in `bytes`; 0: none. */
+/* Which of the frames 1 to `last` is complete in `bytes`; 0: none. */
 static uint32_t loop_which(const void *data, uint32_t last, void *room, size_t bytes)
 {
     for (uint32_t n = 1; n <= last; n++) {
@@ -43,7 +43,7 @@ static uint32_t loop_which(const void *data, uint32_t last, void *room, size_t b
     return 0;
 }
 
-/* `put` shows frame n, 0 or -1. The camera's frames until LOOP_FRAMES different ones came whole. */
+/* `put` shows frame n, 0 or -1. Takes the camera's frames until LOOP_FRAMES different ones came back complete. */
 static void loop_run(const char *camera, uint32_t fourcc, int (*put)(void *closure, uint32_t n), void *closure,
                      const char *what)
 {
@@ -176,7 +176,7 @@ static void check_loop(const char *camera, const char *monitor)
     pupil_sink_discard(s.sink);
     free(s.frame);
 
-    /* What the monitor takes is said. */
+    /* The monitor's formats are reported. */
     const pupil_sink_options small = {.width = 100, .height = 100, .fps = 60};
     CHECK(pupil_v4l2_sink_open(&s.sink, monitor, &small, NULL, &sink_why) == PUPIL_SINK_FAILED);
     CHECK_MSG(strstr(sink_why.text, "takes frames of 1920x1080, not of 100x100"), "%s", sink_why.text);

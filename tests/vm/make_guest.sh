@@ -1,18 +1,18 @@
 #!/bin/sh
 # make_guest.sh ARCHITECTURE FOLDER [PACKAGE]: makes FOLDER/vmlinuz and FOLDER/initrd for boot.sh: the stock kernel that
 # PACKAGE (linux-image-ARCHITECTURE) depends on today, with the few modules that the tests load. Exit code 77 and a
-# sentence where this machine cannot. What is there is kept, and once a week Debian is asked for a newer one.
+# sentence if this machine cannot. An existing one is kept, and once a week Debian is asked for a newer one.
 #
-# Nothing is installed: the kernel and busybox are downloaded with lists of their own, so that another architecture needs
-# no change of the system either, and unpacked in FOLDER. The rest of the guest is this machine's files (boot.sh).
+# Nothing is installed: the kernel and busybox are downloaded with separate package lists, so that another architecture
+# needs no change of the system either, and unpacked in FOLDER. The rest of the guest is this machine's files (boot.sh).
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 architecture=$1
 mkdir -p "$2"
 folder=$(cd "$2" && pwd)
 wanted=${3:-linux-image-$architecture}
-# The way to the host's files; a camera and a monitor; memory for dma-bufs; a USB port for a camera in user space; files in
-# memory above the host's. What they depend on is added.
+# Modules for the host's files; a camera and a monitor; memory for dma-bufs; a USB port for a camera in user space; an
+# overlay in memory. Their dependencies are added.
 modules="virtio_pci 9p 9pnet_virtio vivid vgem vhci-hcd uvcvideo overlay"
 
 skip() {
@@ -26,7 +26,7 @@ done
 exec 9>"$folder/lock"
 flock 9 # tests run beside each other
 
-# The guest is there, and of these scripts; for how many days it is taken as it is.
+# The guest exists and was made by these scripts; for how many days it is used unchanged.
 is_made() {
     [ -n "$(find "$folder/initrd" -newer "$here/make_guest.sh" -newer "$here/init.sh" ${1:+-mtime "-$1"} 2>/dev/null)" ]
 }
@@ -48,7 +48,7 @@ Acquire::Languages "none";
 END
 export APT_CONFIG="$new/apt.conf"
 
-# A source that does not answer may be one of others.
+# A source that does not answer may be one of several.
 apt-get -qq update >"$new/apt.log" 2>&1 || :
 apt-cache depends "$wanted" >"$new/depends" 2>>"$new/apt.log" || {
     is_made && exit 0 # as good as it was
@@ -67,7 +67,7 @@ done
 release=$(ls "$new/kernel/lib/modules")
 depmod -b "$new/kernel" "$release"
 
-# The guest's first files: busybox, init, and the modules where modprobe looks for them.
+# The guest's initial files: busybox, init, and the modules where modprobe looks for them.
 from=$new/kernel/lib/modules/$release
 to=$new/root/lib/modules/$release
 for module in $modules; do
@@ -88,9 +88,9 @@ cp "$here/init.sh" "$new/root/init"
 chmod 755 "$new/root/init"
 (cd "$new/root" && find . | LC_ALL=C sort | cpio -o -H newc --quiet -R 0:0) >"$new/initrd"
 
-# A PC's kernel unpacks itself, which takes the emulator longer than all else; qemu boots what is packed in it, too.
-# Where that lies: the kernel's Documentation/arch/x86/boot.rst (setup_sects, payload_offset, payload_length, whose last
-# four bytes are no part of the packed data).
+# A PC's kernel unpacks itself, which takes the emulator longer than everything else; qemu also boots the unpacked
+# payload. Its position: the kernel's Documentation/arch/x86/boot.rst (setup_sects, payload_offset, payload_length,
+# whose last four bytes are not part of the packed data).
 kernel=$new/kernel/boot/vmlinuz-$release
 number_at() {
     od -A n -t "u$2" -j "$1" -N "$2" "$kernel" | tr -d ' '

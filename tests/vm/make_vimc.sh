@@ -1,7 +1,7 @@
 #!/bin/sh
 # make_vimc.sh FOLDER: makes FOLDER/vimc.ko, the kernel's simulated sensor behind a media graph, for the guest that
-# make_guest.sh made there for this machine's architecture. Debian does not ship it: it is built from the kernel's source
-# package (140 MB to download, once for each kernel). Exit code 77 and a sentence where this machine cannot.
+# make_guest.sh made there for this machine's architecture. Debian does not ship it: it is built from the kernel's
+# source package (140 MB to download, once for each kernel). Exit code 77 and a sentence if this machine cannot.
 set -eu
 folder=$(cd "$1" && pwd)
 package=$(cat "$folder/package")
@@ -20,7 +20,7 @@ exec 8>"$folder/vimc.lock"
 flock 8
 [ "$(cat "$folder/vimc.release" 2>/dev/null)" = "$release" ] && [ -e "$folder/vimc.ko" ] && exit 0
 
-# Lists of its own, as make_guest.sh has.
+# Separate package lists, as in make_guest.sh.
 new=$folder/vimc.new
 rm -rf "$new"
 mkdir -p "$new/state/lists/partial" "$new/cache/archives/partial" "$new/headers" "$new/source"
@@ -38,7 +38,7 @@ apt-get -qq update >"$new/apt.log" 2>&1 || :
 headers=linux-headers-$release
 apt-cache depends "$headers" >"$new/depends" 2>>"$new/apt.log" || skip "apt-get finds no $headers"
 needs=$(awk '$1 == "Depends:" && $2 ~ /^linux-(headers-.*-common|kbuild-)/ { print $2 }' "$new/depends")
-# Words, on purpose.
+# Unquoted on purpose.
 (cd "$new" && apt-get -qq download "$headers" $needs "linux-source-$series") >"$new/apt.log" 2>&1 ||
     skip "apt-get cannot download $headers and linux-source-$series: $(head -n 1 "$new/apt.log")"
 for file in "$new"/linux-headers-*.deb "$new"/linux-kbuild-*.deb; do

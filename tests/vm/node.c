@@ -90,7 +90,7 @@ int node_output_format(int fd, uint32_t fourcc, uint32_t width, uint32_t height)
     struct v4l2_format f = {.type = V4L2_BUF_TYPE_VIDEO_OUTPUT};
     if (ioctl(fd, VIDIOC_G_FMT, &f) != 0)
         f.type = V4L2_BUF_TYPE_VIDEO_OUTPUT_MPLANE;
-    f.fmt.pix.width = width; /* at the same place in both */
+    f.fmt.pix.width = width; /* at the same offset in both */
     f.fmt.pix.height = height;
     f.fmt.pix.pixelformat = fourcc;
     return ioctl(fd, VIDIOC_S_FMT, &f) == 0 && f.fmt.pix.pixelformat == fourcc ? 0 : refused("a format");
@@ -98,7 +98,7 @@ int node_output_format(int fd, uint32_t fourcc, uint32_t width, uint32_t height)
 
 int node_cable(int fd)
 {
-    /* Nothing of the camera's own over the picture: item 2 of the menu. */
+    /* No text of the camera over the picture: item 2 of the menu. */
     if (node_set(fd, "OSD Text Mode", 2) != 0)
         return -1;
     /* Before Linux 6.11 a switch; since then a menu with what the camera's connector may be wired to: its own test

@@ -1,4 +1,4 @@
-/* tests/vm/node.h: a video node as v4l2-ctl has it: its controls, inputs and timings, by file descriptor. */
+/* tests/vm/node.h: a video node as in v4l2-ctl: its controls, inputs and timings, by file descriptor. */
 #ifndef PUPIL_TESTS_VM_NODE_H
 #define PUPIL_TESTS_VM_NODE_H
 
@@ -18,12 +18,12 @@ int node_get(int fd, const char *name, int *value);
 int node_input(int fd, int index);
 /* The digital signal at an HDMI connector: the size's timings, at so many frames a second. */
 int node_timings(int fd, uint32_t width, uint32_t height, unsigned fps);
-/* vivid: from now on what its HDMI monitor shows is what this camera's HDMI input sees, not its test pattern. */
+/* vivid: from now on this camera's HDMI input sees what the HDMI monitor shows, not the test pattern. */
 int node_cable(int fd);
 /* The format of an output node, by its fourcc. */
 int node_output_format(int fd, uint32_t fourcc, uint32_t width, uint32_t height);
 
-/* What this process has open, and maps of video nodes and dma-bufs. */
+/* Open files of this process, and its maps of video nodes and dma-bufs. */
 typedef struct node_held {
     int files, maps;
 } node_held;

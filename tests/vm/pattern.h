@@ -1,8 +1,8 @@
 /* tests/vm/pattern.h: what vivid's test patterns are in each pixel format, sample by sample.
  *
- * Source: the kernel's drivers/media/common/v4l2-tpg, with brightness, contrast, saturation and hue as they are by
- * default. RGB and mosaics have full codes. What comes from a matrix is 255/256 of it, rounded down; grey is BT.709's
- * luma in 8 bits of full range, and zeros below. */
+ * Source: the kernel's drivers/media/common/v4l2-tpg, with default brightness, contrast, saturation and hue. RGB and
+ * mosaics have full codes. Values from a matrix are 255/256 of the formula, rounded down; grey is BT.709's luma in 8
+ * bits of full range, with zeros below. */
 #ifndef PUPIL_TESTS_VM_PATTERN_H
 #define PUPIL_TESTS_VM_PATTERN_H
 
@@ -54,7 +54,7 @@ static int pattern_is_yuv(uint32_t pixel)
     return pupil_pixel_planes(pixel) > 1 || pixel == PUPIL_PIXEL_YUYV || pixel == PUPIL_PIXEL_UYVY;
 }
 
-/* Of a format with one sample a pixel. */
+/* For a format with one sample per pixel. */
 static int pattern_mono(const pupil_v4l2_format *f, int pattern, uint32_t x, uint32_t y)
 {
     const uint32_t bits = pupil_pixel_bits(f->pixel);
@@ -66,7 +66,7 @@ static int pattern_mono(const pupil_v4l2_format *f, int pattern, uint32_t x, uin
     return pattern_at(pattern, x, y, channel) * ((1 << bits) - 1);
 }
 
-/* Sample i of a row of 8-bit RGB; -1: alpha, which is vivid's own affair. */
+/* Sample i of a row of 8-bit RGB; -1: alpha, which is not checked. */
 static int pattern_rgb(const pupil_v4l2_format *f, int pattern, uint32_t i, uint32_t y)
 {
     const uint32_t bytes = (uint32_t)pupil_pixel_bytes(f->pixel), channel = i % bytes;
@@ -91,7 +91,7 @@ static int pattern_sample(const pupil_v4l2_format *f, int pattern, uint32_t plan
     return pattern_yuv(f, pattern, i / 2 * 2, y, i % 2 == turned ? 1 : 2);
 }
 
-/* How far the farthest sample of a plane is from the pattern's; rows of the picture repeat after 32. */
+/* The largest difference of a plane from the pattern; rows of the picture repeat after 32. */
 static int pattern_plane_off(const pupil_image_const *image, const pupil_v4l2_format *f, int pattern,
                              uint32_t first_row, uint32_t plane)
 {
@@ -120,7 +120,7 @@ static int pattern_plane_off(const pupil_image_const *image, const pupil_v4l2_fo
     return most;
 }
 
-/* The farthest sample of a frame, in codes of 8 bits; from first_row on. */
+/* The largest difference in a frame from first_row on, in codes of 8 bits. */
 static double pattern_off(const pupil_image_const *image, const pupil_v4l2_format *f, int pattern, uint32_t first_row)
 {
     const uint32_t bits = pupil_pixel_bits(f->pixel);
@@ -132,7 +132,7 @@ static double pattern_off(const pupil_image_const *image, const pupil_v4l2_forma
     return (double)most / (1u << (bits > 8 ? bits - 8 : 0));
 }
 
-/* Black and white are exact; so is what comes from no matrix. Its factors are vivid's own integers. */
+/* Black and white are exact; so are values without a matrix. The matrix's factors are vivid's own integers. */
 static double pattern_tolerance(const pupil_v4l2_format *f, int pattern)
 {
     const int grey = pupil_pixel_bits(f->pixel) && !pupil_pixel_is_mosaic(f->pixel);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# run_guest.sh NODE PUPIL: in the guest of vm.run, after capture_guest.sh loaded vivid: the program as its user meets it,
+# run_guest.sh NODE PUPIL: in the guest of vm.run, after capture_guest.sh loaded vivid: the program as a user sees it,
 # on the kernel's drivers. NODE: node_command.c.
 set -u
 node=$1
@@ -47,9 +47,9 @@ grep -q "^$webcam .*vivid" said.out || fail "list: $(cat said.out)"
 run 0 "" list --json
 grep -q '"YUYV"' said.out || fail "list --json has no YUYV"
 
-# modes: vivid has no control of exposure, which is a sentence where one is asked for
+# modes: vivid has no exposure control: a sentence if one is needed
 frames="--width 320 --height 180 --framerate 60 -q"
-# Words, on purpose.
+# Unquoted on purpose.
 run 0 "" run -d "$webcam" $frames -n 10 --stats plain.csv
 run 0 "" run -d "$webcam" $frames --mode digital -n 10 --stats digital.csv -o digital.y4m
 for file in plain digital; do
@@ -83,7 +83,7 @@ run 0 "" replay rec.killed -q --stats again.csv -y
 [ "$(rows again.csv)" -le "$(wc -l <rec.killed/frames.jsonl)" ] || fail "killed: frames without a line"
 
 "$node" set "$webcam" "OSD Text Mode" 2 || fail "the camera's text"
-# into an output node, which another reader has: a still picture, the same codes that a file gets without dither
+# into an output node that another reader reads: a still picture, the same codes as a file without dither
 "$node" set "$webcam" "Test Pattern" 1 || fail "bars"
 for end in "$hdmi" "$monitor"; do
     [ "$end" = "$monitor" ] || "$node" input "$end" 3 || fail "HDMI"
@@ -104,7 +104,7 @@ kill -TERM $writer
 wait $writer || fail "the writer: exit $?: $(cat out.said)"
 run 1 "takes frames of 640x480, not of 320x180" run -d "$webcam" $frames --mode digital -n 3 -o "$monitor"
 
-# unplugged in the middle: a sentence, and a recording with every frame that was handed out
+# unplugged in the middle: a sentence, and a recording with every delivered frame
 "$pupil" run -d "$webcam" $frames --mode digital --record rec.gone --stats gone.csv >said.err 2>&1 &
 runner=$!
 until_lines 10 rec.gone/frames.jsonl

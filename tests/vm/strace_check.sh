@@ -1,15 +1,16 @@
 #!/bin/sh
 # strace_check.sh LOG FRAMES: what `strace -f -o LOG` saw between the 10th frame and the last of so many: the number of
-# each call, and a failure where one is there that a frame has no need of, or is made more than once a frame (controls
-# and outputs apart).
+# each call. Fails if there is a call that a frame does not need, or one more than once a frame (except for controls and
+# outputs).
 #
-# clock_gettime is no call where the kernel lends its clock to processes; emulated machines have none to lend.
+# clock_gettime is not a system call if the kernel provides its clock to processes; emulated machines have no such
+# clock.
 exec awk -v frames="$2" '
 function name_of(line) {
     sub(/^[0-9]+ +/, "", line)
-    if (line ~ /^(---|\+\+\+|<\.\.\.)/) # signals, exits, the ends of calls that were begun before
+    if (line ~ /^(---|\+\+\+|<\.\.\.)/) # signals, exits, ends of earlier calls
         return ""
-    if (line ~ /^p?poll\(.* = 0 \(Timeout\)/) # no frame came: ten times a second at most, whatever frames cost
+    if (line ~ /^p?poll\(.* = 0 \(Timeout\)/) # no frame came: at most ten times a second, regardless of frames
         return ""
     if (line ~ /^ioctl\(/) {
         sub(/^ioctl\([0-9]+(<[^>]*>)?, /, "", line)

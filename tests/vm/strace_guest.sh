@@ -1,7 +1,7 @@
 #!/bin/sh
 # strace_guest.sh FRAMES PROGRAM ARGUMENTS...: in the guest, with one webcam of vivid's: runs the program under strace,
-# and says which system calls it makes while it streams: from the tenth frame on, in all of its threads. What is not
-# waiting for a frame, taking it, giving it back, writing to a control or writing an output fails.
+# and says which system calls it makes while it streams: from the tenth frame on, in all of its threads. Any call other
+# than waiting for a frame, taking it, giving it back, writing to a control or writing an output fails.
 set -eu
 frames=$1
 shift

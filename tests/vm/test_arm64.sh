@@ -1,6 +1,6 @@
 #!/bin/sh
-# vm.arm64: builds the drivers, the program and capture.c for 64-bit ARM, with no library but the C library and
-# statically, boots Debian's kernel for arm64, and runs them there on vivid.
+# vm.arm64: builds the drivers, the program and capture.c for 64-bit ARM, statically and only with the C library, boots
+# Debian's arm64 kernel, and runs them there on vivid.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 tree=$here/../..
@@ -16,7 +16,7 @@ sh "$here/make_guest.sh" arm64 "$guest"
 build=$guest/build
 off=$(for part in INSTALL MEDIA GPU SHARED LAB; do echo "-DPUPIL_$part=OFF"; done)
 {
-    # Words, on purpose.
+    # Unquoted on purpose.
     cmake -G Ninja -S "$tree" -B "$build" -DCMAKE_BUILD_TYPE=Release $off -DPUPIL_WERROR=OFF \
         -DCMAKE_EXE_LINKER_FLAGS=-static -DCMAKE_TOOLCHAIN_FILE="$tree/cmake/aarch64-linux-gnu.cmake" &&
         cmake --build "$build" --target pupil -j 2 &&
@@ -30,7 +30,7 @@ off=$(for part in INSTALL MEDIA GPU SHARED LAB; do echo "-DPUPIL_$part=OFF"; don
     exit 1
 }
 
-# All that the guest has of files.
+# All files of the guest.
 root=$guest/root
 rm -rf "$root"
 mkdir -p "$root/dev" "$root/proc" "$root/sys" "$root/run" "$root/bin" "$root/lib"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# vm.gstreamer: test_gstreamer.sh CAMERA NODE PLUGIN: boots the guest and runs pipelines on uvcvideo and vivid there. With
-# PUPIL_PLOTS=FOLDER, for people: its pictures are put there.
+# vm.gstreamer: test_gstreamer.sh CAMERA NODE PLUGIN: boots the guest and runs pipelines on uvcvideo and vivid there.
+# With PUPIL_PLOTS=FOLDER its pictures are put there, for people.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 command -v gst-launch-1.0 >/dev/null || { echo "skipped: no gst-launch-1.0: the packages are listed in test.sh"; exit 77; }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# vm.strace: test_strace.sh PUPIL: boots the guest and has 600 frames of `pupil run` traced there.
+# vm.strace: test_strace.sh PUPIL: boots the guest and traces 600 frames of `pupil run` there.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 command -v strace >/dev/null || {

@@ -1,6 +1,6 @@
 #!/bin/sh
 # vm.uvc: test_uvc.sh TEST CAMERA NODE FULL: boots the guest and runs uvc.c and the program there, with the camera. With
-# PUPIL_PLOTS=FOLDER, for people: the plots of these runs are put there.
+# PUPIL_PLOTS=FOLDER the plots of these runs are put there, for people.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 if [ -z "${PUPIL_PLOTS:-}" ]; then

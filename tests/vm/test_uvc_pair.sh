@@ -1,8 +1,9 @@
 #!/bin/sh
-# vm.uvc_pair: test_uvc_pair.sh CAMERA NODE: boots the guest and runs two USB cameras there with one exposure, through two steps
-# of light of three stops. What is shown (exposure time x gain x the factor of the picture) has to be the same within 0.05 EV, a
-# stop less of the second camera, in all frames. One of ten may be apart: an emulated processor that is busy takes frames late,
-# and then the second camera does not wait. Frames are compared with those of the other camera nearest in time.
+# vm.uvc_pair: test_uvc_pair.sh CAMERA NODE: boots the guest and runs two USB cameras there with one exposure, through
+# two steps of light of three stops. The shown level (exposure time x gain x the factor of the picture) has to be the
+# same within 0.05 EV, one stop less for the second camera, in all frames. One in ten may differ: a busy emulated
+# processor takes frames late, and then the second camera does not wait. Each frame is compared with the other camera's
+# nearest one in time.
 set -eu
 . "$(dirname "$0")/amd64.sh"
 log=$(mktemp)

@@ -1,9 +1,9 @@
 /* uvc.c: uvc CAMERA: runs in the guest (test_uvc.sh). The closed loop on the kernel's uvcvideo: a camera in user space
  * (CAMERA: uvc_camera.c) answers exposure time and gain, and the light changes.
  *
- * Held: what pupil sets, the picture shows; the level settles in as many frames as the controller promises
- * (docs/sim.md) and stays; the controls are the user's again afterwards; unplugging ends it, or, where it
- * is told to wait, does not. */
+ * Checked: the picture shows what pupil sets; the level settles in as many frames as the controller promises
+ * (docs/sim.md) and stays; the controls are restored afterwards; unplugging ends it, but not with the option to
+ * wait. */
 #include <math.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -15,7 +15,7 @@
 #include "vm/node.h"
 #include "vm/uvc_seen.h"
 
-#define FPS       15.0 /* slow, so that an emulated machine has time for what a frame brings */
+#define FPS       15.0 /* slow, so that an emulated machine has time for the work of a frame */
 #define TIMEOUT_S 10.0
 
 static pupil_why why;
@@ -43,17 +43,17 @@ typedef struct loop {
     pupil_sensor sensor;
     pupil_sensor_config config;
     pupil_sensor_setting setting;
-    int is_linear;   /* the camera's luma is light, which YUYV cannot say */
-    double error_ev; /* of the last frame, from the key */
+    int is_linear;   /* the camera's luma is linear, which YUYV cannot express */
+    double error_ev; /* of the last frame, relative to the key */
     uvc_truth truth; /* of the last frame */
     uint64_t sequence;
-    double worst_ev;          /* how far a frame's level was from what its truth makes */
-    unsigned truths;          /* frames that were compared so */
-    uint64_t asked_at, delay; /* delay: the longest so far from an ask to its frame, or with a wrong word on a frame */
-    uint64_t wrong;           /* frames in a row that were not taken as is said */
-    int misled;               /* there was one, since this light */
-    unsigned all_wrong;       /* all in all */
-    uint64_t longest;         /* `delay` of all lights */
+    double worst_ev;          /* the difference of a frame's level and its true settings */
+    unsigned truths;          /* how many frames were compared */
+    uint64_t asked_at, delay; /* delay: the longest so far from an ask to its frame, or with wrong metadata */
+    uint64_t wrong;           /* frames in a row with wrong metadata */
+    int misled;               /* there was one in this light */
+    unsigned all_wrong;       /* the total */
+    uint64_t longest;         /* the largest `delay` in any light */
     pupil_frame_info info;    /* of the last frame */
 } loop;
 
@@ -80,7 +80,7 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     CHECK(pupil_sensor_init(&l->sensor, &l->config) == PUPIL_OK);
     if (!pupil_live_camera(l->source))
         return -1;
-    pupil_camera_status status; /* from what the camera's automatic has found; the first setting is written, too */
+    pupil_camera_status status; /* from the camera's automatic setting; the first setting is written, too */
     pupil_camera_get_status(pupil_live_camera(l->source), &status);
     pupil_sensor_start(&l->sensor, status.exposure_s.taken, status.gain.taken);
     CHECK(pupil_sensor_get(&l->sensor, &l->setting) == PUPIL_OK);
@@ -89,8 +89,8 @@ static int loop_open(loop *l, int is_linear, double reopen_s)
     return 0;
 }
 
-/* How many frames after an ask the picture has it, and what is said of a frame is true: what a busy machine takes for a
- * write is no fault of the loop's. */
+/* How many frames after an ask the picture has it and the metadata is right: the time that a busy machine takes for a
+ * write is not the loop's fault. */
 static void follow_delay(loop *l)
 {
     const int is_there = fabs(l->setting.exposure_s * 1e4 - l->truth.exposure_100us) < 1.5 &&
@@ -131,7 +131,7 @@ static int loop_frame(loop *l)
     follow_delay(l);
     if (pupil_live_camera(l->source))
         pupil_camera_learn(pupil_live_camera(l->source), l->setting.exposure_delay, l->setting.gain_delay);
-    if (l->setting.changed && pupil_live_camera(l->source)) { /* one that just came back may have none yet */
+    if (l->setting.changed && pupil_live_camera(l->source)) { /* a camera that just came back may have none yet */
         const pupil_camera_setting wanted = {.exposure_s = l->setting.exposure_s, .gain = l->setting.gain};
         pupil_camera_ask(pupil_live_camera(l->source), &wanted);
         l->asked_at = l->sequence;
@@ -140,8 +140,8 @@ static int loop_frame(loop *l)
     return PUPIL_SOURCE_FRAME;
 }
 
-/* Further off than far_ev it steps, and steps of less than hold_ev are not made; the camera's steps of gain and
- * exposure round down by a sixteenth and a hundredth. What is left is the slow filter's. */
+/* The loop steps if the error is above far_ev, and makes no steps below hold_ev; the camera rounds gain and exposure
+ * down, by up to a sixteenth and a hundredth. The rest is left to the slow filter. */
 static int is_right(const loop *l)
 {
     const double near_ev = l->config.far_ev + l->config.hold_ev;
@@ -172,13 +172,13 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
         right_from = right ? right_from : l->sequence + 1;
         right = is_right(l) ? right + 1 : 0;
     }
-    /* A reaction takes delay_frames at most; another look comes as many later. A write that acts before it comes back
-     * has frames described by the setting before: that costs one look. */
+    /* A reaction takes at most delay_frames, and so does each further look. If a write takes effect before it returns,
+     * frames are described by the previous setting: that costs one look. */
     l->longest = l->delay > l->longest ? l->delay : l->longest;
     const uint64_t believed = l->config.delay_frames, took = right_from - first;
     const unsigned promised = (unsigned)((2 * (looks + (unsigned)l->misled) - 1) * believed);
     CHECK_MSG(right == 8, "%s: not right", what);
-    if (l->delay > believed) /* the promise is for delays that the controller was given */
+    if (l->delay > believed) /* the promise only holds for configured delays */
         printf("%s: a setting took %llu frames on this busy machine\n", what, (unsigned long long)l->delay);
     else
         CHECK_MSG(took <= promised, "%s: %llu frames; promised in %u", what, (unsigned long long)took, promised);
@@ -189,7 +189,7 @@ static void settle(loop *l, uint32_t light, unsigned looks, const char *what)
            l->truth.gain_16ths / 16.0);
 }
 
-/* At rest: the level does not wander, and what is said to be in force is. */
+/* At rest: the level does not drift, and the reported setting is in force. */
 static void rest(loop *l, const char *what)
 {
     double least = INFINITY, most = -INFINITY;
@@ -215,7 +215,7 @@ static void rest(loop *l, const char *what)
 static const char *const names[] = {"Auto Exposure", "Exposure Time, Absolute", "Exposure, Dynamic Framerate", "Gain"};
 #define NAMES (sizeof names / sizeof names[0])
 
-/* Once around: brighter, darker, much brighter (clipped), much darker. */
+/* A full cycle: brighter, darker, much brighter (clipped), much darker. */
 static void test_loop(const char *answers)
 {
     static loop l;
@@ -231,9 +231,8 @@ static void test_loop(const char *answers)
         static const struct {
             const char *name;
             int light;
-            unsigned
-                looks; /* a second one: 8 bits have too little in the dark, and clipped light has no number; a third
-                        * where it is below one code, or the first frames are of settings that nobody knows */
+            unsigned looks; /* a second one because 8 bits are coarse in the dark and clipped light cannot be measured;
+                             * a third if light is below one code, or the settings of the first frames are unknown */
         } steps[] = {{"from automatic", 8, 3}, {"-3 EV", 7, 2}, {"+3 EV", 8, 2}, {"+6 EV", 10, 3}, {"-6 EV", 8, 4}};
         for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
             CHECK(sigqueue(process, UVC_SET_LIGHT, (union sigval){.sival_int = steps[i].light}) == 0);
@@ -251,7 +250,7 @@ static void test_loop(const char *answers)
                "be taken otherwise than they were\n",
                answers, l.setting.exposure_delay, l.setting.gain_delay, limits.exposure_delay, limits.gain_delay,
                l.all_wrong);
-        /* 3 is believed of a camera of which nothing is known; this one draws a frame with what it has then */
+        /* for an unknown camera 3 is assumed; this one draws each frame with its present settings */
         if (l.longest <= l.config.delay_frames)
             CHECK_MSG(limits.exposure_delay < 3, "%s: the delay was not learned", answers);
         pupil_source_close(l.source);
@@ -286,7 +285,7 @@ static void test_unplugged(void)
               after.files - before.files, after.maps - before.maps);
 }
 
-/* Unplugged, and plugged in again: it continues, and under control. */
+/* Unplugged, and plugged in again: it continues, with working controls. */
 static void test_back(void)
 {
     static loop l;

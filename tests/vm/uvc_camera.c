@@ -1,6 +1,6 @@
 /* uvc_camera.c: uvc_camera linear|display [hard|slow|second]: the camera of uvc_camera.h, until SIGTERM. `hard`: a
  * write of a control takes HARD_WRITE_NS, and the camera is not ready for some of them. `slow`: 5 frames a second,
- * whatever is asked for; libcamera cannot ask. `second`: at another port, and it is a stop more sensitive.
+ * regardless of the request; libcamera cannot request a rate. `second`: at another port, and a stop more sensitive.
  *
  * Sources: the kernel's Documentation/usb/usbip_protocol.rst; Universal Serial Bus 2.0, chapter 9; USB Device Class
  * Definition for Video Devices 1.1, and its Uncompressed Payload. */
@@ -20,15 +20,15 @@
 #include <time.h>
 #include <unistd.h>
 
-#define PAYLOAD   16384u /* of a bulk transfer, its header of two bytes included */
+#define PAYLOAD   16384u /* of a bulk transfer, with its header of two bytes */
 #define MOST_URBS 64
 #define INTERVAL  UVC_INTERVAL
 
-#define HARD_WRITE_NS INT64_C(300000000) /* longer than a frame of 5 a second */
-#define HARD_READY    6                  /* writes that are taken, ... */
-#define HARD_NOT      3                  /* ... and then so many that are not */
+#define HARD_WRITE_NS INT64_C(300000000) /* longer than a frame at 5 a second */
+#define HARD_READY    6                  /* writes that are accepted, ... */
+#define HARD_NOT      3                  /* ... and then how many are not */
 
-/* What vhci_hcd and the camera say to each other (usbip_protocol.rst). */
+/* Messages between vhci_hcd and the camera (usbip_protocol.rst). */
 enum { CMD_SUBMIT = 1, CMD_UNLINK = 2, RET_SUBMIT = 3, RET_UNLINK = 4 };
 enum { SPEED_HIGH = 3 };
 /* Requests of the class (UVC 1.1, table A-8). */
@@ -54,8 +54,8 @@ typedef struct control {
 } control;
 
 enum { AE_MODE, AE_PRIORITY, EXPOSURE, GAIN, CONTROLS };
-/* Entity 1 is the camera, 2 the processing. For the mode, `step` is the set of those that there are: 1 manual, 8
- * aperture priority (4.2.2.1.2). */
+/* Entity 1 is the camera, 2 the processing. For the mode, `step` is the set of supported modes: 1 manual, 8 aperture
+ * priority (4.2.2.1.2). */
 static control controls[CONTROLS] = {
     [AE_MODE] = {1, 0x02, 1, 0, 0, 1 | 8, 8, 8},
     [AE_PRIORITY] = {1, 0x03, 1, 0, 1, 1, 0, 1},
@@ -63,7 +63,7 @@ static control controls[CONTROLS] = {
     [GAIN] = {2, 0x04, 2, 16, 1024, 1, 16, 16},
 };
 
-/* What a stream was negotiated to be: UVC 1.1, table 4-75. */
+/* The negotiated stream: UVC 1.1, table 4-75. */
 static struct {
     uint8_t frame; /* from 1 */
     uint32_t interval;
@@ -115,7 +115,7 @@ static void give(const void *from, size_t bytes)
     }
 }
 
-/* `bytes`: how many were transferred; data NULL: towards the camera. */
+/* `bytes`: the number transferred; data NULL: towards the camera. */
 static void answer(uint32_t command, uint32_t number, int status, const void *data, uint32_t bytes)
 {
     uint32_t header[12] = {htonl(command), htonl(number), 0, 0, 0, htonl((uint32_t)status), htonl(bytes)};
@@ -152,7 +152,7 @@ static void draw(void)
     const uint32_t longest = stream.interval / 1000;
     if (!controls[AE_PRIORITY].now && exposure > longest)
         exposure = longest; /* the frame rate has priority */
-    /* its own idea of exposure: half a stop too dark, in any light */
+    /* its automatic exposure: half a stop too dark, in any light */
     const double total =
         automatic ? 1.27 / pow(8, light - 8) : (1 + second) * (exposure / 100.0) * controls[GAIN].now / 16.0;
     const uint64_t truth =
@@ -176,7 +176,7 @@ static void draw(void)
     frame.toggle ^= 1;
 }
 
-/* A payload for each transfer that waits: a header of two bytes, and the last one says that it is. */
+/* One payload per waiting transfer: a header of two bytes, which marks the last one. */
 static void pump(void)
 {
     static uint8_t payload[PAYLOAD];
@@ -194,7 +194,7 @@ static void pump(void)
     }
 }
 
-/* --- writes that take their time --- */
+/* --- slow writes --- */
 
 static int64_t now_ns(void)
 {
@@ -211,7 +211,7 @@ static struct {
     uint32_t count;
 } late;
 
-/* The answers that are due; when the next one is, or 0. */
+/* Sends the answers that are due; returns when the next one is, or 0. */
 static int64_t answer_late(void)
 {
     while (late.count && late.write[0].at_ns <= now_ns()) {
@@ -234,7 +234,7 @@ static int answers_late(uint32_t number, uint32_t bytes)
     return 1;
 }
 
-/* Whether a write of exposure or gain is taken. */
+/* Whether a write of exposure or gain is accepted. */
 static int is_ready(void)
 {
     static uint32_t writes;
@@ -258,10 +258,10 @@ static int answer_standard(uint8_t request, uint32_t value, uvc_text *out)
         else
             return value >> 8 == 3 ? uvc_describe_string(out, value & 255) : -1;
         return 0;
-    case 1: /* CLEAR_FEATURE: the endpoint's halt, as which a stream ends */
+    case 1: /* CLEAR_FEATURE: the endpoint's halt, with which a stream ends */
         frame.sent = frame.bytes;
         return 0;
-    default: /* addresses, configurations, interfaces: as the host wants */
+    default: /* addresses, configurations, interfaces: as the host requests */
         return 0;
     }
 }
@@ -369,7 +369,7 @@ static void serve(void)
     }
 }
 
-/* --- its life --- */
+/* --- start and end --- */
 
 static void on_signal(int signal_number, siginfo_t *info, void *context)
 {
@@ -396,7 +396,7 @@ static void attach(void)
     link_fd = pair[0];
 }
 
-/* With priority over the frame rate, a long exposure has its time. */
+/* With priority over the frame rate, a long exposure lengthens the frame. */
 static int64_t period_ns(void)
 {
     const int64_t exposure_ns = (int64_t)controls[EXPOSURE].now * 100000, usual_ns = (int64_t)stream.interval * 100;
@@ -429,7 +429,7 @@ int main(int argc, char **argv)
             continue;
         next_ns += period_ns();
         next_ns = next_ns < now_ns() ? now_ns() : next_ns;
-        if (urbs.count && frame.sent == frame.bytes) { /* a program reads, and has had the one before */
+        if (urbs.count && frame.sent == frame.bytes) { /* a program reads, and has the previous frame */
             draw();
             pump();
         }

@@ -1,11 +1,11 @@
-/* tests/vm/uvc_camera.h: a USB camera in user space, which the kernel's uvcvideo takes for one of its own.
+/* tests/vm/uvc_camera.h: a USB camera in user space, which the kernel's uvcvideo drives like a real one.
  *
- * It is the far end of a USB/IP connection (the kernel's vhci_hcd) and speaks the USB Video Class 1.1 there: YUYV in
- * bulk transfers, 320x240 and 640x480 at 30, 15 and 5 frames a second, and the controls that webcams have: automatic
+ * It is the far end of a USB/IP connection (the kernel's vhci_hcd) and implements USB Video Class 1.1: YUYV in bulk
+ * transfers, 320x240 and 640x480 at 30, 15 and 5 frames a second, and the controls that webcams have: automatic
  * exposure (manual, aperture priority), its priority over the frame rate, exposure time in 100 us, gain in 16ths.
  *
- * Its picture is light times exposure time times gain, the same in every column of a ramp of four stops, as luma:
- * proportional to light, or with sRGB's curve, as displays want it. The first row has the true values of the frame.
+ * Its picture is light times exposure time times gain, with a horizontal ramp of four stops, as luma: proportional to
+ * light, or with sRGB's curve, as for displays. The first row has the true values of the frame.
  */
 #ifndef PUPIL_TESTS_VM_UVC_CAMERA_H
 #define PUPIL_TESTS_VM_UVC_CAMERA_H
@@ -18,7 +18,7 @@
 #define UVC_STOPS 4.0 /* of the ramp, around its middle */
 #define UVC_LIGHT 0.1 /* the ramp's middle at 10 ms, gain 1 and no signal */
 
-/* What the first row has, in luma, 8 pixels a bit, the lowest bit first: 16 or 235. */
+/* The contents of the first row, in luma, 8 pixels per bit, the lowest bit first: 16 or 235. */
 typedef struct uvc_truth {
     uint32_t exposure_100us; /* 16 bits */
     uint32_t gain_16ths;     /* 12 bits */

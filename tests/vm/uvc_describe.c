@@ -17,19 +17,19 @@ void uvc_put_bytes(uvc_text *t, const int *bytes)
 
 void uvc_describe_device(uvc_text *t)
 {
-    UVC_PUT(t, 18, 1, 0x00, 0x02, 0xef, 2, 1, 64);        /* USB 2.0, interfaces that belong together */
+    UVC_PUT(t, 18, 1, 0x00, 0x02, 0xef, 2, 1, 64);        /* USB 2.0, interface association */
     UVC_PUT(t, 0x6b, 0x1d, 0x02, 0x01, 0x00, 0x01, 1, 2); /* the Linux Foundation's number */
     UVC_PUT(t, 0, 1);
 }
 
-/* The interface of control: camera (1) -> processing (2) -> USB (3); (3.7). */
+/* The control interface: camera (1) -> processing (2) -> USB (3); (3.7). */
 static void describe_control(uvc_text *t)
 {
     UVC_PUT(t, 9, 4, 0, 0, 0, 14, 1, 0, 0);
     UVC_PUT(t, 13, 0x24, 1, 0x10, 0x01, 13 + 18 + 12 + 9, 0);
     uvc_put(t, 4, 48000000);
     UVC_PUT(t, 1, 1);
-    /* bits 1 to 3: the mode of exposure, its priority, the time */
+    /* bits 1 to 3: the exposure mode, its priority, the time */
     UVC_PUT(t, 18, 0x24, 2, 1, 0x01, 0x02, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0x0e, 0, 0);
     UVC_PUT(t, 12, 0x24, 5, 2, 1, 0, 0, 2, 0x00, 0x02, 0, 0); /* bit 9: gain */
     UVC_PUT(t, 9, 0x24, 3, 3, 0x01, 0x01, 0, 2, 0);
@@ -44,13 +44,13 @@ static void describe_frame(uvc_text *t, uint32_t index, uint32_t width, uint32_t
     uvc_put(t, 4, width * height * 2 * 8 * 30);
     uvc_put(t, 4, width * height * 2);
     uvc_put(t, 4, UVC_INTERVAL);
-    uvc_put(t, 1, 3); /* so many intervals */
+    uvc_put(t, 1, 3); /* the number of intervals */
     uvc_put(t, 4, UVC_INTERVAL);
     uvc_put(t, 4, 2 * UVC_INTERVAL);
     uvc_put(t, 4, UVC_LONGEST);
 }
 
-/* The interface of the stream: YUY2, in bulk from endpoint 1; (3.9). */
+/* The streaming interface: YUY2, in bulk from endpoint 1; (3.9). */
 static void describe_stream(uvc_text *t)
 {
     UVC_PUT(t, 9, 4, 1, 0, 1, 14, 2, 0, 0);

@@ -1,4 +1,4 @@
-/* tests/vm/uvc_describe.h: what the camera of uvc_camera.h says of itself, as USB has bytes: the lowest first. */
+/* tests/vm/uvc_describe.h: the descriptors of the camera of uvc_camera.h, in USB's byte order: the lowest first. */
 #ifndef PUPIL_TESTS_VM_UVC_DESCRIBE_H
 #define PUPIL_TESTS_VM_UVC_DESCRIBE_H
 

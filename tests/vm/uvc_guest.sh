@@ -1,7 +1,7 @@
 #!/bin/sh
 # uvc_guest.sh TEST CAMERA NODE FULL PUPIL [plots]: in the guest of vm.uvc. A USB port that has its far end in user
-# space; uvc.c, then the program as its user meets it, then docs/examples/full.c. With a last word the program's plots are
-# printed, packed.
+# space; uvc.c, then the program as a user sees it, then docs/examples/full.c. With the last word the program's plots
+# are printed, packed.
 set -u
 camera=$2 node=$3 full=$4 pupil=$5 plots=${6:-}
 . "$(dirname "$0")/uvc_plug.sh"
@@ -21,7 +21,7 @@ last() {
     tail -n 1 run.jsonl | sed -n "s/.*\"$1\": *\"*\([^,\"}]*\).*/\1/p"
 }
 
-# until_converged N: so many frames have come, and the level of the last is right; a busy machine takes more of them
+# until_converged N: so many frames have come, and the level of the last is right; on a busy machine it takes more
 until_converged() {
     for _ in $(seq 200); do
         [ "$(wc -l <run.jsonl)" -lt "$1" ] || [ "$(last sensor)" != converged ] || return 0
@@ -30,7 +30,7 @@ until_converged() {
 }
 
 lost() { sed -n 's/.*"lost": *\([0-9]*\).*/\1/p' run.jsonl | awk '{ n += $1 } END { print n + 0 }'; }
-# one program for all commands: to start one takes the emulated processor as long as some frames do
+# one program for all commands: on the emulated processor to start one takes as long as some frames
 tell() { echo "$*" >&3; }
 # more N: so many more frames have come
 more() {
@@ -41,11 +41,12 @@ more() {
     done
     fail "no $1 frames in a minute"
 }
-# settings N: how many different settings the last N frames were taken with
+# settings N: the number of different settings of the last N frames
 settings() { tail -n "$1" run.jsonl | sed 's/.*"exposure_s": *\([^,]*\),"gain": *\([^,]*\),.*/\1 \2/' | sort -u | wc -l; }
 
-# The run is changed by its socket while frames come: a lock holds through a step of light, a limit, compensation and a
-# region act. Frames that are lost are said: a busy emulated processor loses some anyway, apps.run.control none.
+# The run is changed through its socket while frames come: a lock holds through a step of light; a limit, compensation
+# and a region take effect. Lost frames are printed: a busy emulated processor loses some anyway, apps.run.control loses
+# none.
 change_it() {
     mkfifo orders
     "$pupil" ctl run.sock <orders >ctl.out 2>&1 &
@@ -78,9 +79,9 @@ change_it() {
     [ "$(grep -c '^{"ok":true' ctl.out)" = 9 ] || fail "ctl: $(cat ctl.out)"
 }
 
-# Light that is taken for a display's codes (linear) is a tone curve to pupil. It is regulated all the same; its brightest
-# parts, which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 of that picture: 0.034. Eight
-# times the light for a while in between; 5 frames a second, so that a busy machine loses few.
+# Linear light that is taken for a display's codes is a tone curve to pupil. The loop still works; the brightest parts,
+# which would clip, may cost a stop of exposure (highlight_ev), which is up to 2.4 stops of that picture: 0.034. In
+# between eight times the light for a while; 5 frames a second, so that a busy machine loses few.
 for answers in display linear; do
     plug $answers
     : >run.jsonl
@@ -114,13 +115,13 @@ for answers in display linear; do
     wait $plugged
 done
 
-# level LIGHT: log-average of the camera's picture, as its controls are now: UVC_LIGHT at 10 ms, gain 1 and light 8
+# level LIGHT: log-average of the camera's picture, given its present controls: UVC_LIGHT at 10 ms, gain 1 and light 8
 level() {
     awk -v exposure="$("$node" get "$path" "Exposure Time, Absolute")" -v gain="$("$node" get "$path" Gain)" -v light="$1" \
         'BEGIN { print 0.1 * exposure / 100 * gain / 16 * 8 ^ (light - 8) }'
 }
 
-# until_right LIGHT: the level is right, and is so again four seconds later; within two minutes
+# until_right LIGHT: the level is right, and still is four seconds later; within two minutes
 until_right() {
     right=0
     for _ in $(seq 120); do
@@ -135,8 +136,7 @@ until_right() {
     fail "full: light $1: the camera's picture is at $(level "$1"), not at 0.18"
 }
 
-# A program of somebody else's, with the library alone, on a camera whose writes are slower than frames, and a third of
-# which are refused.
+# A program that only uses the library, on a camera whose writes are slower than frames and refused in a third of cases.
 plug display hard
 mkfifo frames
 tail -c 230400 <frames >last.rgb &
@@ -153,7 +153,7 @@ wait $runner
 [ $? = 143 ] || fail "full: $(cat full.err)"
 wait $reader
 is_put_back || fail "full: the controls are not put back"
-# The middle of the picture that was shown last: 0.18 is sRGB 118.
+# The middle of the last shown picture: 0.18 is sRGB 118.
 shown=$(tail -c +$((120 * 960 + 480 + 1)) last.rgb | head -c 3 | od -An -tu1 | awk '{ print $2 }')
 [ "${shown:-0}" -gt 90 ] && [ "$shown" -lt 135 ] || fail "full: the middle of its picture is $shown"
 kill -TERM $plugged

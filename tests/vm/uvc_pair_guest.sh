@@ -1,13 +1,13 @@
 #!/bin/sh
-# uvc_pair_guest.sh CAMERA NODE PUPIL: in the guest of vm.uvc_pair: two USB cameras at the kernel's uvcvideo, the second a
-# stop more sensitive, run as one; the light of both is eight times as strong for a while. Prints their figures.
+# uvc_pair_guest.sh CAMERA NODE PUPIL: in the guest of vm.uvc_pair: two USB cameras on the kernel's uvcvideo, the second
+# a stop more sensitive, run as one; for a while the light of both is eight times as strong. Prints their figures.
 set -u
 camera=$1 node=$2 pupil=$3
 . "$(dirname "$0")/uvc_plug.sh"
 cd "$TMPDIR" || exit 1
 modprobe -d "$MODULES" vhci-hcd
 modprobe -d "$MODULES" uvcvideo
-# a port of vhci_hcd may answer EBUSY when it is to resume
+# a port of vhci_hcd may answer EBUSY when it should resume
 echo -1 >/sys/module/usbcore/parameters/autosuspend
 plug linear
 first=$plugged first_path=$path

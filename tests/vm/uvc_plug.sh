@@ -1,7 +1,7 @@
-# uvc_plug.sh: for guests' scripts: a USB camera whose controls somebody has set. $camera is uvc_camera's file, $node
+# uvc_plug.sh: for guests' scripts: a USB camera whose controls were set by a user. $camera is uvc_camera's file, $node
 # node_command's.
 
-# plug WORDS...: a camera that answers so; $plugged is its process, $path its node
+# plug WORDS...: a camera with these options; $plugged is its process, $path its node
 plug() {
     "$camera" "$@" &
     plugged=$!

@@ -10,8 +10,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* As in the kernel's include/uapi/drm/drm.h and drm_mode.h; Debian has these in libdrm's headers, of which nothing else
- * is needed. */
+/* As in the kernel's include/uapi/drm/drm.h and drm_mode.h; Debian has them in libdrm's headers, from which nothing
+ * else is needed. */
 struct version {
     int number[3];
     size_t name_bytes;

@@ -10,7 +10,7 @@ typedef struct vgem_buffer {
     size_t bytes;
 } vgem_buffer;
 
-/* The device's file descriptor, or -1 where there is no vgem. */
+/* The device's file descriptor, or -1 if there is no vgem. */
 int vgem_open(void);
 
 /* A buffer of so many bytes or more, all of them 0x5a. 0, or -1 (errno). */

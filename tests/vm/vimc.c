@@ -1,5 +1,5 @@
-/* vimc.c: runs in the guest (test_vimc.sh). A sensor behind a media graph (vimc): it is found from its video node; what
- * refuses to start is reported with the line that mends it; its raw frames are those that it draws. */
+/* vimc.c: runs in the guest (test_vimc.sh). A sensor behind a media graph (vimc): it is found from its video node; if
+ * the graph refuses to start, the message has the line that repairs it; its raw frames are those that it draws. */
 #include <fcntl.h>
 #include <linux/media-bus-format.h>
 #include <linux/v4l2-subdev.h>
@@ -31,7 +31,7 @@ static void test_sensor(void)
     pupil_v4l2_device_close(&device);
 }
 
-/* The subdevice of a name. */
+/* The subdevice with a name. */
 static int open_entity(const char *entity)
 {
     for (int i = 0; i < 16; i++) {
@@ -80,7 +80,7 @@ static int follow_line(const char *sentence)
     return failed ? -1 : 0;
 }
 
-/* A format that the graph is not set to is refused, with lines that mend it, one after the other; then it streams. */
+/* A format that the graph is not set to is refused, with lines that repair it, one after the other; then it streams. */
 static void test_raw(const char *name)
 {
     const pupil_v4l2_options o = {.fourcc = pupil_v4l2_fourcc(name), .width = WIDTH, .height = HEIGHT, .timeout_s = 20};

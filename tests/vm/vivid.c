@@ -40,7 +40,7 @@ static int set_format(vivid_node *node, uint32_t fourcc, uint32_t width, uint32_
 {
     struct v4l2_format format = {.type = node->type};
     struct v4l2_pix_format_mplane *pix = &format.fmt.pix_mp;
-    /* Twice: the first time to learn what a row needs. */
+    /* Twice: the first time to learn the bytes of a row. */
     for (int pass = 0; pass < 2; pass++) {
         pix->width = width;
         pix->height = height;

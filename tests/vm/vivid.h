@@ -11,7 +11,7 @@
 typedef struct vivid_node {
     int fd;
     uint32_t type;                        /* a v4l2_buf_type */
-    uint32_t width, height, planes;       /* as the driver took them */
+    uint32_t width, height, planes;       /* as accepted by the driver */
     uint32_t stride_bytes[2];             /* of each buffer of a frame */
     vgem_buffer buffer[VIVID_BUFFERS][2]; /* of each frame, one or two */
 } vivid_node;

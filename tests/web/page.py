@@ -132,7 +132,7 @@ def damaged(browser, room):
     check(browser.execute_script("return pupil.still !== null"), "a damaged file has taken the picture away")
 
 
-# Counts what is saved, and whose camera is live, from here on.
+# From here on counts saved files and live cameras.
 WATCH = """
     window.saved = [];
     HTMLAnchorElement.prototype.click = function () { saved.push([this.download, this.href]); };
@@ -181,7 +181,7 @@ def recordings(browser, room):
 
 
 def sources(browser):
-    """The source that was asked for last is the one that is shown, and no other camera stays on."""
+    """The source that was asked for last is shown, and no other camera stays on."""
     for names, live in ((("use-camera", "use-camera"), 1), (("use-scene",), 0), (("use-camera", "use-scene") * 4, 0),
                         (("use-scene", "use-camera") * 4, 1)):
         browser.execute_script("press(...arguments)", *names)
@@ -193,7 +193,7 @@ def sources(browser):
 
 
 def refused(browser, room):
-    """A video that cannot be played and a picture that is too large: a sentence, and what was shown stays."""
+    """A video that cannot be played and a picture that is too large: a sentence, and the shown picture stays."""
     ffmpeg = ["ffmpeg", "-loglevel", "error", "-y", "-f", "lavfi", "-i"]
     subprocess.run([*ffmpeg, "testsrc=s=320x240:d=1", "-c:v", "libvpx", room / "whole.webm"], check=True)
     large = ["color=gray:s=9000x7500", "-frames:v", "1", "-pix_fmt", "gray", room / "large.jpg"]
@@ -481,13 +481,13 @@ def steering(browser):
     text = browser.find_element(By.ID, "loop-state").text
     check(abs(has - asked) <= 0.5e-3 and has != before, f"asked {asked} s, the camera has {has} s, before {before} s")
     browser.find_element(By.ID, "loop").click()
-    # The fake camera stays manual, whatever it is told.
+    # The fake camera stays manual, regardless of commands.
     wait(browser, "return pupil.exposure.track.getConstraints().advanced?.[0].exposureMode === 'continuous'", 10)
     print(f"the camera's exposure: from {before * 1e3:g} to {has * 1e3:g} ms ({text}), then given back")
 
 
 def quiet(browser, what):
-    """Nothing is loaded, and nothing has gone wrong unsaid."""
+    """Nothing is loaded, and no error is hidden."""
     loaded = browser.execute_script("return performance.getEntriesByType('resource').map((e) => e.name)")
     check([n for n in loaded if not n.startswith(("blob:", "data:"))] == [], f"{what}: loads {loaded[:3]}")
     severe = [e["message"] for e in browser.get_log("browser") if e["level"] == "SEVERE"]

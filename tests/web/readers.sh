@@ -1,5 +1,6 @@
 #!/bin/sh
-# readers.sh BUILD: readers.js with files of all formats, and with those of $PUPIL_SHARED, or ../shared beside the checkout.
+# readers.sh BUILD: readers.js with files of all formats, and with those of $PUPIL_SHARED, or ../shared next to the
+# checkout.
 set -eu
 build=$1
 folder=$(cd "$(dirname "$0")" && pwd)
@@ -16,5 +17,5 @@ if [ -d "$shared/malformed" ]; then
     others=$(find "$shared/malformed" "$shared/hdr" -name '*.exr' -o -name '*.png' -o -name '*.hdr' -o -name '*.pfm' |
         grep -Ev 'spruit|n6a16|basi6a16|AllHalfValues|tinyexr_2by2|rgbr4x4|denormal_and_fltmax' | sort)
 fi
-# Names of files without spaces: words, on purpose.
+# Names of files without spaces: unquoted on purpose.
 node "$folder/readers.js" "$build" "$PUPIL_PROGRAM" "$room"/* $others
