@@ -1,4 +1,4 @@
-"""For the tests of the module: counts what holds and what does not."""
+"""For the tests of the module: counts checks that hold and those that fail."""
 import sys
 
 try:

@@ -1,4 +1,4 @@
-"""Arrays as people have them: the right picture, or an error that says what would be right."""
+"""Typical arrays: the right picture, or an error that says what would be right."""
 import pickle
 import tempfile
 
@@ -89,7 +89,7 @@ same(raw, raw[:, :80].copy(), "packed rows with padding", pixel="BAYER10P", widt
 odd_planes = tuple(random.integers(0, 256, shape, dtype=np.uint8) for shape in ((5, 7), (3, 4), (3, 4)))
 check.that(picture_of(odd_planes, pixel="I420").shape == (5, 7, 3), "odd sizes as planes")
 
-# 8-bit grey is a picture of a file, coded for a display; named, it is a sensor's
+# 8-bit grey is from a picture file, coded for a display; with a name it is a sensor's
 check.that(not np.array_equal(picture_of(codes[:, :, 0]), picture_of(codes[:, :, 0], pixel="GREY8")), "grey is coded")
 same(codes[:, :, 0], np.repeat(codes[:, :, :1], 3, 2), "grey as three channels")
 
@@ -187,7 +187,7 @@ check.that(np.array_equal(halves[:, 60:], floats), "the right half of a canvas, 
 check.raises(ValueError, "pupil writes RGBA8", picture_of, light, out_pixel="YUYV")
 check.raises(ValueError, "even width", picture_of, light[:, :59], out_pixel="NV12")
 
-# nothing changes where a call is refused
+# a refused call changes nothing
 pupil = pupil_ae.Pupil()
 pupil.process(light)
 before = pickle.dumps(pupil)

@@ -1,4 +1,4 @@
-"""Each format, mapped by the module and by a program in C: the same bits, also of what is reported."""
+"""Each format, mapped by the module and by a program in C: the same bits, also of the reported values."""
 import ctypes
 import os
 import subprocess
@@ -16,7 +16,7 @@ random = np.random.default_rng(19)
 
 
 def shape_of(pixel, width, height):
-    """As the module's documentation has it."""
+    """As in the module's documentation."""
     if pixel in _image.CHANNELS:
         return height, width, _image.CHANNELS[pixel]
     if pixel in _image.PAIRED:
@@ -33,7 +33,7 @@ def shape_of(pixel, width, height):
 
 
 def samples(pixel, shape):
-    """Light over many stops; any bits where samples are codes."""
+    """Light over many stops; random bits if samples are codes."""
     dtype = _image.SAMPLE[pixel]
     if dtype.kind == "f":
         return np.exp2(random.uniform(-9, 4, shape)).astype(dtype)

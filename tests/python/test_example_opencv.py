@@ -39,12 +39,12 @@ with tempfile.TemporaryDirectory() as folder:
     check.that(int(capture.get(cv2.CAP_PROP_FRAME_COUNT)) == 50, "frames in the result")
     still = pathlib.Path(folder, "still.png")
     cv2.imwrite(str(still), np.full((48, 64, 3), 60, np.uint8))
-    ended = run(still, result)  # its position is a number without a meaning
+    ended = run(still, result)  # its position is a meaningless number
     check.that(ended.returncode == 0 and "1 frames" in ended.stdout, ended.stdout)
     check.that("no frames" in run(pathlib.Path(folder, "none.avi"), result).stdout, "a file that is not there")
     check.that(run().returncode == 1 and "opencv_video INPUT" in run().stdout, "no arguments")
 
-# The same picture by cv2's memory in any shape, and a UMat is refused with what to do.
+# cv2's memory in any shape gives the same picture, and a UMat is refused with advice.
 frame = np.random.default_rng(25).integers(0, 256, (48, 64, 3), dtype=np.uint8)
 wanted = pupil_ae.Pupil().process(frame, pixel="BGR8")
 yuv = cv2.cvtColor(frame, cv2.COLOR_BGR2YUV_I420)

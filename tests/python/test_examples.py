@@ -1,5 +1,5 @@
-"""The scripts of docs/examples that need numpy alone, and the block of Python in docs/guide.md: each runs, and is
-short. picamera2_loop.py runs with the module of tests/python/fake."""
+"""The scripts of docs/examples that only need numpy, and the Python block in docs/guide.md: each runs, and is short.
+picamera2_loop.py runs with the module of tests/python/fake."""
 import math
 import os
 import pathlib
@@ -31,7 +31,7 @@ adapted = [float(number) for number in re.findall(r"adapted ([-+.\d]+) EV", said
 check.that(len(adapted) == 6 and abs(adapted[-1] - adapted[1] - 3) < 0.05, said)
 check.that("(270, 480, 3) uint8 (270, 480, 3) float32 0.0" in said, said)
 
-# Light in which the camera's own first setting, 10 ms, is 2 stops off; it rises eightfold, and the loop follows.
+# Light for which the camera's first setting, 10 ms, is 2 stops off; it rises eightfold, and the loop follows.
 said = run(EXAMPLES / "picamera2_loop.py", "150", PUPIL_FAKE_LIGHT="9",
            PYTHONPATH=f"{SOURCE}/tests/python/fake:{os.environ['PYTHONPATH']}")
 shown = float(re.search(r"fake: stopped True, shown ([.\d]+)", said).group(1))

@@ -36,7 +36,7 @@ with tempfile.TemporaryDirectory() as folder:
     other = run(work, PYTHONPATH=moved, PUPIL_LIBRARY="libc.so.6")
     check.that("ImportError: libc.so.6 has no pupil_" in other.stdout, other.stdout)
 
-    # made for another version, and with a field that is not where it is in the library
+    # made for another version, and with a field at another offset than in the library
     abi = work / "moved" / "pupil_ae" / "_abi.py"
     text = abi.read_text()
     for old, new, words in (("VERSION = (0, 2, 0)", "VERSION = (0, 3, 0)", f"its version is {version}"),

@@ -1,4 +1,4 @@
-"""Settings, copies, threads, fork, and what a stranger does with objects."""
+"""Settings, copies, threads, fork, and misuse of objects."""
 import copy
 import ctypes
 import gc
@@ -119,7 +119,7 @@ for one in copies:
 nothing = bytes(12288), pickle.loads(before).__getstate__()[1]
 check.raises(pupil_ae.Error, "not made by", Pupil().__setstate__, nothing)
 
-# --- threads: each on its own object at the same time, all on one without a torn state ---
+# --- threads: each on its own object in parallel; all on one object without an inconsistent state ---
 results = {}
 
 
@@ -139,7 +139,7 @@ alone = run(Pupil(), frames)
 check.that(all(results[i] == alone for i in range(4)), "threads with objects of their own")
 check.that(shared.exposure.frames == 48, f"{shared.exposure.frames} frames of four threads")
 
-# --- fork while another thread is in a call: the child's object is whole, and its lock is free ---
+# --- fork while another thread is in a call: the child's object is consistent, and its lock is free ---
 large = np.repeat(np.repeat(frames[0], 20, 0), 20, 1)
 stop = threading.Event()
 busy = Pupil()
@@ -193,7 +193,7 @@ run(shared, frames * 10)
 signal.setitimer(signal.ITIMER_REAL, 0)
 check.that(handled, "a signal came")
 
-# --- memory: temporaries that nothing else holds, objects that go ---
+# --- memory: temporaries that nothing else holds, objects that are freed ---
 for i in range(200):
     Pupil().process(np.full((30, 40, 3), 0.5, np.float32)[::-1], out=np.empty((30, 40, 3), np.uint8))
     gc.collect() if i % 50 == 0 else None

@@ -1,6 +1,6 @@
-"""The time of process() at 1920 x 1080 over that of the C function with the same memory, in turns in one process. What
-Python adds does not depend on the picture, but on caches that the picture has emptied: of a fast C function it is more
-than of a slow one."""
+"""The time of process() at 1920 x 1080 over that of the C function with the same memory, alternating in one process.
+Python's overhead does not depend on the picture, but on caches that the picture has emptied: it is a larger share of
+a fast C function than of a slow one."""
 import statistics
 import time
 
@@ -14,8 +14,8 @@ frame = np.exp2(np.random.default_rng(22).uniform(-6, 4, (1080, 1920, 3))).astyp
 out = np.empty((1080, 1920, 3), np.uint8)
 pupil = pupil_ae.Pupil()
 
-# The C function alone: process() with all that it makes for the call already made. So both calls are at the same place
-# of the stack; how the library's buffers are aligned there changes its time by several percent.
+# Only the C function: process() with its preparation already done. So both calls have the same stack position; the
+# alignment of the library's buffers there changes its time by several percent.
 whole = {"view": _image.view, "out_view": _image.out_view, "frame_info": _settings.frame_info}
 source = _image.view(frame)
 made = out, _image.out_view(source, out, None, False)[1]
@@ -24,16 +24,16 @@ alone = {"view": lambda *_: source, "out_view": lambda *_: made, "frame_info": l
 
 
 def seconds(functions, picture):
-    """Of this thread on its processor: what else runs on the machine shows less."""
+    """Processor time of this thread, which other programs on the machine disturb less."""
     vars(_pupil).update(functions)
     begin = time.thread_time()
     pupil.process(frame, out=picture)
     return time.thread_time() - begin
 
 
-# Two estimates, of which the smaller one counts: by the least times, which a machine that changes its speed for seconds
-# disturbs, and the median of calls next to each other, which what comes and goes at once does. More turns where it is
-# busy.
+# Two estimates, of which the smaller one counts: the ratio of the least times, which changes of the machine's speed
+# over seconds disturb, and the median over adjacent calls, which short disturbances affect. More rounds on a busy
+# machine.
 kinds = {"C": (alone, out), "Python": (whole, out), "allocating": (whole, None)}
 ratios, took, least = {kind: [] for kind in kinds}, {}, {kind: float("inf") for kind in kinds}
 for turn in range(200):

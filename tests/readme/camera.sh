@@ -1,6 +1,6 @@
 #!/bin/sh
-# camera.sh BUILD: docs/camera.md keeps its word: each option of its commands exists, those of `pupil run` that need no
-# window and no other node do what they say on a camera in the process, and the sentences that it quotes are said.
+# camera.sh BUILD: docs/camera.md is right: each option of its commands exists, commands of `pupil run` that need no
+# window and no other node work on a camera in the process, and the program prints the sentences that it quotes.
 set -u
 build=$(cd "$1" && pwd)
 page=$(cd "$(dirname "$0")/../.." && pwd)/docs/camera.md
@@ -15,7 +15,7 @@ fail() {
     failures=$((failures + 1))
 }
 
-# Indented, without comments: what a user copies. The first option that does not exist is the one that is named.
+# Indented, without comments: what a user copies. The first option that does not exist is reported.
 sed -n 's/^    \$ \(pupil .*\)/\1/p' "$page" | sed 's/ *#.*//' >commands
 [ "$(wc -l <commands)" -ge 7 ] || fail "only $(wc -l <commands) commands in $page"
 while read -r _ command options; do
@@ -42,7 +42,7 @@ for option in $(grep -oE '`--[a-z-]+' "$page" | tr -d '`' | sort -u); do
     grep -q -- "$option\b" help.txt || fail "$option is in no help"
 done
 
-# said WORDS ARGUMENTS...: on the fake, and in the page
+# said WORDS ARGUMENTS...: the words are printed on the fake, and are in the page
 said() {
     words=$1
     shift

@@ -1,6 +1,6 @@
 #!/bin/sh
-# guide.sh BUILD: the first page of docs/guide.md keeps its word: each option of its commands exists, each function is
-# declared, and each section that it links to is there.
+# guide.sh BUILD: the first page of docs/guide.md is right: each option of its commands exists, each function is
+# declared, and each linked section exists.
 set -u
 build=$(cd "$1" && pwd)
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -18,9 +18,9 @@ grep -oE '`[^`]+`' "$work/page" | tr -d '`' | sed 's/.*| *//' >"$work/typed"
 grep '^pupil ' "$work/typed" >"$work/commands"
 [ "$(wc -l <"$work/commands")" -ge 10 ] || fail "only $(wc -l <"$work/commands") commands on the page"
 while read -r _ command; do
-    # Words, but no files of this folder.
+    # Split into words, without file names of this folder.
     set -f
-    # The first option that does not exist is the one that is named.
+    # The first option that does not exist is reported.
     "$build/apps/pupil" $command --no-such-option >"$work/said" 2>&1 </dev/null
     [ "$command" = list ] || grep -q -- '--no-such-option: no such option' "$work/said" ||
         fail "pupil $command: $(cat "$work/said")"

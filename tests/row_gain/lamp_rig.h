@@ -1,6 +1,6 @@
-/* tests/row_gain/lamp_rig.h: a rolling shutter that looks at a textured wall under lamps on the mains, with daylight on
- * some of its columns or rows, and what pupil_row_gain makes of it. What is left is judged by the light itself, not by
- * the picture.
+/* tests/row_gain/lamp_rig.h: a rolling shutter that sees a textured wall under mains lamps, with daylight on some of
+ * its columns or rows, and the gains that pupil_row_gain computes. The remaining bands are measured in the light
+ * itself, not in the picture.
  */
 #ifndef PUPIL_TESTS_LAMP_RIG_H
 #define PUPIL_TESTS_LAMP_RIG_H
@@ -20,11 +20,11 @@ typedef struct rig {
     rig_wave wave;
     double fps, readout_share, exposure_s;
     uint32_t mains_hz;
-    /* light that is not of the lamps: everywhere, and in a rectangle, as shares of all light; the rectangle in shares
-     * of the picture */
+    /* light not from the lamps: everywhere, and in a rectangle, as shares of all light; the rectangle in shares of the
+     * picture */
     double day, day_inside, x0, x1, y0, y1;
     double texture_ev, noise, pan_px; /* noise: share of the value; pan: pixels a frame */
-    double jitter_s;                  /* timestamps are off by so much, RMS */
+    double jitter_s;                  /* error of timestamps, RMS */
     double readout_told;              /* config.readout_s over the true one */
     int exposure_unknown;
 } rig;
@@ -42,9 +42,9 @@ static rig rig_default(void)
                  .readout_told = 1};
 }
 
-static float rig_wall[RIG_WALL][RIG_WALL]; /* log2, of deviation 1, without ends */
+static float rig_wall[RIG_WALL][RIG_WALL]; /* log2, with deviation 1; wraps around */
 
-/* Noise of several sizes, half of it in each. */
+/* Noise of several sizes, each with half the amplitude. */
 static void rig_make_wall(void)
 {
     double sum = 0, squares = 0;
@@ -95,7 +95,7 @@ static double rig_exposed(const rig *r, double middle)
     return sum / N;
 }
 
-/* A gaussian of deviation 1, near enough. */
+/* Approximately a gaussian of deviation 1. */
 static double rig_random(void)
 {
     return (check_uniform() + check_uniform() + check_uniform() + check_uniform() - 2) * 1.7320508;
@@ -107,7 +107,7 @@ typedef struct rig_camera {
     pupil_image_const image;
     pupil_frame_info info;
     double t, lamp[RIG_H], scene_x, brightness;
-    double flash; /* light added to all rows but the first `flash_from`, in one frame */
+    double flash; /* light added in one frame to all rows from `flash_from` on */
     int flash_from;
     float gain[RIG_H];
     uint16_t pixel[RIG_H][RIG_W];
@@ -133,8 +133,8 @@ static int rig_is_day(const rig *r, double x, double y)
     return r->day_inside > 0 && x >= r->x0 && x < r->x1 && y >= r->y0 && y < r->y1;
 }
 
-/* From the brightest row to the darkest, where this share of the light is not of the lamps, without and with gains, in
- * the rows of the rectangle or in all. */
+/* The difference of the brightest and the darkest row, if this share of the light is not from the lamps, without and
+ * with gains, in the rows of the rectangle or in all. */
 static void rig_bands(const rig_camera *c, double day, int inside, double *before, double *after)
 {
     double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};

@@ -1,20 +1,20 @@
-/* What row gains leave of the bands of lamps, and what they add where there is other light, by the light itself. The
- * table is that of docs/mains.md.
+/* How much of the lamps' bands row correction gains leave, and what they add in other light, measured in the light
+ * itself. The table is that of docs/mains.md.
  */
 #include "lamp_rig.h"
 
 enum { SECONDS = 4 };
 
-/* From the first gains on the worst that they add, and what is left at the end. */
+/* The most that gains add from the first ones on, and what is left at the end. */
 typedef struct outcome {
     double before, after;     /* the last quarter of the time; light outside the rectangle */
     double day_after;         /* inside */
-    double worse;             /* the most that gains added anywhere in any frame */
-    double step;              /* the largest from a row's gain to the next, log2 */
+    double worse;             /* the most that gains added to any part of any frame */
+    double step;              /* the largest difference of adjacent rows' gains, log2 */
     pupil_row_gain_result at; /* the end */
 } outcome;
 
-/* The wave rolls by so slowly that it takes seconds to be known. */
+/* The wave moves so slowly that it takes seconds to be known. */
 static int is_slow(const rig *r)
 {
     return fabs(remainder(r->light_hz, r->fps)) < 1;
@@ -104,8 +104,8 @@ static void check_lamps(void)
     }
 }
 
-/* The third harmonic of 100 Hz is constant at 30 frames a second, and cannot be known: what lamps that are no sines
- * have of it stays. */
+/* The third harmonic of 100 Hz is constant at 30 frames a second, and cannot be known: in lamps that are not sines it
+ * stays. */
 static void check_waves(void)
 {
     char name[80];
@@ -149,12 +149,12 @@ static void check_cameras(void)
     rig r = rig_default();
     r.exposure_unknown = 1;
     lamps("exposure not told", &r, 0.05);
-    r.jitter_s = 1e-3; /* a third of a period: nothing is left to be known, but nothing is made worse */
+    r.jitter_s = 1e-3; /* a third of a period: nothing can be found, but nothing is made worse */
     (void)show("timestamps off by 1 ms RMS", &r);
     r = rig_default();
     r.pan_px = 5;
     (void)show("100 Hz, pan of 1.17 widths a second", &r);
-    r.pan_px = 1, r.modulation = 0.1; /* as much moves as the wave does */
+    r.pan_px = 1, r.modulation = 0.1; /* the scene moves as much as the wave */
     (void)show("modulation 0.1, pan of 0.23 widths a second", &r);
 }
 
@@ -204,7 +204,7 @@ static void check_mixed(void)
     daylit(0.08, 0.08, 1);
     daylit(0.2, 0.2, 1);
     daylit(0.4, 1, 0.5);
-    for (int i = 0; i < 3; i++) { /* everywhere: a wave that is weaker, and nothing else */
+    for (int i = 0; i < 3; i++) { /* everywhere: only a weaker wave */
         static const double day[] = {0.3, 0.6, 0.9};
         rig r = rig_default();
         r.day = day[i];
@@ -218,7 +218,8 @@ static void check_steps(void)
     rig r = rig_default();
     r.modulation = 0.5;
     const outcome o = run(&r);
-    /* The wave's steepest place, 2 pi x amplitude x turns a row; rows of a frame of 1080 are that much finer. */
+    /* The wave's steepest slope: 2 pi x amplitude x turns per row; the rows of a frame of 1080 are finer by their
+     * number. */
     printf("from one row's gain to the next at most %.4f EV, %.4f in a frame of 1080 rows\n", o.step,
            o.step * RIG_H / 1080);
     CHECK(o.step < 0.25);

@@ -1,5 +1,5 @@
-/* pupil_map_rows_with_gains: each row, or what belongs together, as pupil_map_rows maps it with its own scale; of every
- * format in and out.
+/* pupil_map_rows_with_gains: each row, or group of rows that belong together, is mapped as by pupil_map_rows with its
+ * own scale; for every format in and out.
  */
 #include "check.h"
 #include "frames.h"
@@ -72,7 +72,7 @@ static void check_refusals(void)
     float gain[8] = {1, 1, 1, 1, 1, 1, 1, 1};
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
-    for (int i = 0; i < 5; i++) { /* found before anything is written */
+    for (int i = 0; i < 5; i++) { /* detected before anything is written */
         static const float bad[] = {0, -1, NAN, INFINITY, -INFINITY};
         gain[7] = bad[i];
         CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_ERR_VALUE);
@@ -84,7 +84,7 @@ static void check_refusals(void)
     CHECK(pupil_map_rows_with_gains(&pupil, NULL, &in.image, gain, &to) == PUPIL_ERR_NULL);
     CHECK(pupil_map_rows_with_gains(&pupil, &curve, NULL, gain, &to) == PUPIL_ERR_NULL);
     CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, NULL) == PUPIL_ERR_NULL);
-    to.stride_bytes = 4; /* a row alone has no stride: the whole is looked at */
+    to.stride_bytes = 4; /* a single row has no stride: the whole image is checked */
     CHECK(pupil_map_rows_with_gains(&pupil, &curve, &in.image, gain, &to) == PUPIL_ERR_STRIDE);
     CHECK(frame_equal(&out, &before));
     to = frame_writable(&out);
@@ -129,7 +129,7 @@ static void check_metering(uint32_t pixel)
     frame_free(&in);
 }
 
-/* The largest gains there are, of pairs of rows: nothing times them is nothing. */
+/* The largest possible gains, on pairs of rows: 0 times them is 0. */
 static void check_largest(void)
 {
     static const pupil_curve black = {0};

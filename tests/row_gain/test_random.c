@@ -1,5 +1,5 @@
-/* Random cameras, lamps and daylight, with something that happens halfway: in no frame do gains add a band to any part.
- * The second argument is how many.
+/* Random cameras, lamps and daylight, with an event halfway: gains never add a band to any part of a frame. The second
+ * argument is how many.
  */
 #include "lamp_rig.h"
 

@@ -1,5 +1,5 @@
-/* Row gains while things happen: lamps that go off, settings that step, strobes, cuts, windows that come into view,
- * clocks that go back, frames that are none. Gains may come late; they must not make bands.
+/* Row correction gains during events: lamps switched off, settings that step, strobes, cuts, windows that come into
+ * view, clocks that go back, invalid frames. Gains may come late; they must not make bands.
  */
 #include "lamp_rig.h"
 
@@ -27,8 +27,8 @@ static void settle(const rig *r)
     CHECK_MSG(seen.after < 0.02 && seen.before > 0.8, "%g of %g", seen.after, seen.before);
 }
 
-/* So many frames; the most that gains add in one of them, and the number of frames until they add less than 0.01 EV
- * for good. */
+/* Takes so many frames; returns the most that gains add in one of them, and the number of frames until they always add
+ * less than 0.01 EV. */
 static double follow(const char *name, int frames, int *until)
 {
     double most = 0;
@@ -89,8 +89,8 @@ static void check_flashes(void)
     CHECK(result().strength > 0.9);
 }
 
-/* A band over the first part of the window cannot be distinguished from the scene's own change at once: in a tenth of a
- * second, on a thirtieth of the picture. */
+/* A band over the first part of the window cannot at once be distinguished from a change of the scene: it takes a tenth
+ * of a second, on a thirtieth of the picture. */
 static void check_pan_into_window(const char *name, int frames_before)
 {
     const rig r = rig_default();
@@ -170,7 +170,7 @@ static void check_clocks(void)
     c.lamps = before;
     pupil_frame_info info = {0};
     CHECK(pupil_row_gain_frame(&c.lamps, &c.image, &info) == PUPIL_OK && result().strength == 0);
-    static const int64_t ends[] = {INT64_MAX, INT64_MIN + 33000000}; /* 33 ms later only where integers wrap */
+    static const int64_t ends[] = {INT64_MAX, INT64_MIN + 33000000}; /* 33 ms later only if integers wrap */
     for (int i = 0; i < 2; i++) {
         info.timestamp_ns = ends[i];
         CHECK(pupil_row_gain_frame(&c.lamps, &c.image, &info) == PUPIL_OK);
@@ -190,7 +190,7 @@ static void check_clocks(void)
     CHECK(off < 0.01);
 }
 
-/* Any pixels at all: gains are finite, and 1 where there is no light. */
+/* Random pixels: gains are finite, and 1 without light. */
 static void check_odd_frames(void)
 {
     static float odd[80][80];
@@ -211,7 +211,7 @@ static void check_odd_frames(void)
                 if (kind == 2)
                     odd[k / 80][k % 80] = 0;
             }
-            if (kind == 3) /* wide enough to be looked at */
+            if (kind == 3) /* wide enough to be analysed */
                 image.pixel = PUPIL_PIXEL_GREY8, image.width = 200;
             const pupil_frame_info info = {.timestamp_ns = 1 + i * 33000000, .exposure_s = kind == 3 ? NAN : 1e-3};
             float gain[80];

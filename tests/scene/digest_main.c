@@ -1,4 +1,4 @@
-/* The scene digest: a line for every part of the scene renderer whose bits must be the same on every compiler,
+/* The scene digest: a line for every part of the scene renderer whose bits must be the same for every compiler,
  * optimisation level, CPU and number of threads: "name 0123456789abcdef". Its argument is the folder of the recipes. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 
 /* --- digests --- */
 
-/* FNV-1a, 64 bits (Fowler, Noll, Vo; draft-eastlake-fnv), of a value's bytes from the lowest up. */
+/* FNV-1a, 64 bits (Fowler, Noll, Vo; draft-eastlake-fnv), of a value's bytes, lowest first. */
 static uint64_t add(uint64_t digest, uint64_t value, int bytes)
 {
     for (; bytes--; value >>= 8)
@@ -73,7 +73,7 @@ static void meshes(void)
     mesh("mesh-figure", &m);
 }
 
-/* Two frames of a scene, a line each: light, and what the frame's info says. */
+/* Two frames of a scene, a line each: light, and the frame's info. */
 static void scene(const char *name, const char *recipe, uint32_t side, uint64_t later, unsigned threads)
 {
     pupil_spread spread = {.threads = threads};

@@ -1,6 +1,6 @@
-/* A battery of frames and settings through the public interface, one line a case: its name and a digest of every bit
- * that came out. The frames are made of integers alone, so that any difference between two machines is the library's.
- * Runs without a C library: 150 KiB of memory, memcpy and a function that prints text.
+/* A battery of frames and settings through the public interface, one line per case: its name and a digest of every
+ * output bit. Frames are computed in integers, so that any difference between two machines is the library's. Runs
+ * without a C library: 150 KiB of memory, memcpy and a function that prints text.
  */
 #include "digest.h"
 
@@ -57,8 +57,7 @@ static uint32_t random_bits(unsigned count)
     return (uint32_t)(random_state >> (64 - count));
 }
 
-/* Samples are in the machine's byte order, digests are of little-endian ones: on other machines the bytes change
- * places. */
+/* Samples are in the machine's byte order, digests are of little-endian bytes: on other machines bytes are swapped. */
 static void swap_on_big_endian(unsigned char *bytes, size_t count, size_t sample)
 {
     if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
@@ -80,7 +79,7 @@ static const uint32_t odd_float[16] = {0x7fc00000, 0x7f800001, 0xffc12345, 0x7f8
 static const uint16_t odd_half[16] = {0x7e00, 0x7c01, 0xfe12, 0x7c00, 0xfc00, 0x0000, 0x8000, 0x0001,
                                       0x03ff, 0x8001, 0xbc00, 0xd640, 0x7bff, 0xfbff, 0x0400, 0x3c00};
 
-/* One sample; `stops` is how bright the frame is here, -12..12. One in 64 is odd where `odd` is set. */
+/* One sample; `stops`: the frame's brightness here, -12..12. One in 64 is odd if `odd` is set. */
 static void put_sample(unsigned char *to, uint32_t pixel, int stops, int odd)
 {
     const int is_odd = random_bits(6) == 0 && odd;
@@ -145,7 +144,7 @@ static size_t sample_bytes(uint32_t pixel)
                : 1;
 }
 
-/* Rows from the top or from the bottom up, each with room for one more sample, which is never touched. */
+/* Rows top-down or bottom-up, each with room for one more sample, which is never touched. */
 static ptrdiff_t lay_out(uint32_t width, uint32_t height, uint32_t pixel, int upside_down, size_t *first_byte)
 {
     const ptrdiff_t stride = (ptrdiff_t)(pupil_row_bytes(pixel, width) + sample_bytes(pixel));
@@ -153,7 +152,7 @@ static ptrdiff_t lay_out(uint32_t width, uint32_t height, uint32_t pixel, int up
     return upside_down ? -stride : stride;
 }
 
-/* Of any eight bits. */
+/* From any eight bits. */
 static unsigned char chroma_of(unsigned flags, uint32_t bits)
 {
     return (unsigned char)(flags & DIGEST_PALE ? 112 + bits % 33 : bits);
@@ -166,7 +165,7 @@ static int is_packed_chroma(uint32_t pixel, size_t sample)
 
 static pupil_image_const make_frame(const digest_case *c, unsigned number)
 {
-    /* Light that wanders over nine stops, in steps, from frame to frame. */
+    /* Light that varies over nine stops, in steps, from frame to frame. */
     static const signed char level[8] = {0, 3, -4, 4, -1, -5, 2, 1};
     pupil_image_const image = {0};
     size_t first;
@@ -213,14 +212,14 @@ static pupil_frame_info make_info(const digest_case *c, unsigned number)
 
 /* --- one frame, four ways --- */
 
-/* How many rows there are in a group of about `about`: whole pairs, where rows come in pairs. */
+/* The number of rows in a group of about `about`: whole pairs if rows come in pairs. */
 static uint32_t group_of(const pupil_image_const *in, const pupil_image *out, uint32_t about)
 {
     const int pairs = in->pixel >= PUPIL_PIXEL_NV12 || pupil_pixel_planes(out->pixel) > 1;
     return pairs ? about + about % 2 : about;
 }
 
-/* In groups of five rows, as they arrive; mapped in the same pass where a frame came before. */
+/* In groups of five rows, as they arrive; mapped in the same pass if there was a frame before. */
 static int by_rows(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     pupil_exposure exposure;
@@ -236,7 +235,7 @@ static int by_rows(pupil_t *pupil, const pupil_image_const *in, const pupil_fram
     return error | pupil_frame_end(pupil);
 }
 
-/* Each row (or pair) by itself from the last to the first into statistics of its own; then adapted to, then mapped. */
+/* Each row (or pair) by itself, from the last to the first, into its own statistics; then adapted to, then mapped. */
 static int by_seam(pupil_t *pupil, const pupil_image_const *in, const pupil_frame_info *info, const pupil_image *out)
 {
     static pupil_stats sum, row;
@@ -267,7 +266,7 @@ static int one_frame(pupil_t *pupil, const digest_case *c, const pupil_image_con
     return pupil_process(pupil, in, info, out);
 }
 
-/* --- what came out --- */
+/* --- the outputs --- */
 
 static uint64_t digest_stats(uint64_t digest, const pupil_stats *s)
 {

@@ -9,7 +9,7 @@ enum {
     DIGEST_PLAIN = 2,       /* no odd samples */
     DIGEST_STAMPED = 4,     /* frames bring timestamps, some of them odd */
     DIGEST_EXPOSED = 8,     /* frames bring exposure and gain */
-    DIGEST_ROWS = 16,       /* by pupil_frame_rows in place of pupil_process */
+    DIGEST_ROWS = 16,       /* by pupil_frame_rows instead of pupil_process */
     DIGEST_SEAM = 32,       /* by pupil_meter_rows, pupil_adapt, pupil_map_rows */
     DIGEST_HALVED = 64,     /* mosaics: out is half the size */
     DIGEST_PALE = 128       /* Cb and Cr are near grey */
@@ -21,7 +21,7 @@ typedef struct digest_case {
     uint32_t width, height;
     unsigned frames;
     unsigned flags;
-    pupil_coding coding; /* of cameras' formats, in and out */
+    pupil_coding coding; /* of camera formats, in and out */
 } digest_case;
 
 uint64_t digest_run(const digest_case *c);

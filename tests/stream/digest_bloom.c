@@ -1,4 +1,4 @@
-/* Bloom: a picture by lobes of several octaves, with a threshold and without. */
+/* Bloom: a picture with lobes of several octaves, with and without a threshold. */
 #include "digest.h"
 
 #include "pupil/bloom.h"

@@ -1,6 +1,6 @@
-/* Mains light, in the bands of a sensor's frames and in the light of whole frames: cameras and lamps at random, and
- * some whose numbers meet a bound exactly. The light is made of integers alone. A lamp's wave is of parabolas: a sine
- * to within 6 %.
+/* Flicker, in the bands of a sensor's frames and in the light of whole frames: random cameras and lamps, and some with
+ * numbers exactly at a bound. The light is computed in integers. A lamp's wave consists of parabolas: a sine to within
+ * 6 %.
  */
 #include "digest.h"
 
@@ -45,15 +45,15 @@ static int one_in(int64_t n)
     return below(n) == 0;
 }
 
-/* 2^16 is 1. */
+/* 2^16 stands for 1. */
 static int64_t wave(int64_t t_ns, int64_t period_ns)
 {
     const int64_t x = t_ns % period_ns * 65536 / period_ns, half = x & 32767, w = half * (32768 - half) >> 12;
     return x < 32768 ? w : -w;
 }
 
-/* Frame times: usual ones; those of which 100 Hz, or 120, are a whole number and a half, or a sixteenth, or nothing
- * more; and those at which both move alike. */
+/* Frame times: usual ones; those in which 100 or 120 Hz have a whole number of turns plus a half, a sixteenth, or
+ * nothing; and those at which both move alike. */
 static const int64_t frame_times[] = {33366667, 40 * MS,  33333333, 20 * MS,  16666667, 8333333,
                                       24 * MS,  41666667, 15 * MS,  20833333, 50 * MS,  31818182,
                                       40625000, 39375000, 93457944, 29 * MS,  36 * MS,  45454545};
@@ -73,10 +73,10 @@ typedef struct rows {
     int64_t frame_ns, readout_ns, period_ns; /* of the lamp's light */
     int64_t exposure_us, wave, noise;        /* of a band: 2^-24 of a stop */
     int64_t drops, pans, switched, longer;   /* one in so many; eighths of a band a frame; from that frame on */
-    int has_empty;                           /* a group of bands */
+    int has_empty;                           /* per group of bands */
 } rows;
 
-/* One after the other, for the order of an initialiser's values is not defined. */
+/* One after the other, because the order of evaluation in an initialiser is not defined. */
 static rows some_rows(int number)
 {
     const int64_t frame_ns = frame_times[number % FRAME_TIMES];
@@ -163,9 +163,9 @@ enum { LAMP_CASES = 72, LAMP_FRAMES = 176 };
 
 typedef struct lamp {
     int64_t frame_ns, period_ns, wave, noise, jitter_ns, exposure_us;
-    int64_t drops, steps, shocks, odd; /* one frame in so many; a shock is one frame's light alone */
+    int64_t drops, steps, shocks, odd; /* one frame in so many; a shock changes only one frame's light */
     int64_t off, on, slower;           /* from that frame on */
-    int longer;                        /* exposures go up and down */
+    int longer;                        /* exposures vary */
 } lamp;
 
 static lamp some_lamp(int number)
@@ -189,7 +189,7 @@ static lamp some_lamp(int number)
     return l;
 }
 
-/* What comes now and then: no time, the same frame again, an earlier one, a pause of about a second or of one. */
+/* Occasional events: no time, the same frame again, an earlier one, a pause of about or exactly a second. */
 static int64_t odd_time(int64_t t_ns, int64_t before_ns)
 {
     static const int64_t later_ns[] = {-50 * MS, 990 * MS, 1010 * MS};
@@ -206,7 +206,7 @@ static void put_light(int64_t light, pupil_stats *s)
     s->log2_frac = (uint64_t)(light & 0xffffff) << 16;
 }
 
-/* Of the frame, and of others near it. */
+/* For the frame, and for others near it. */
 static void add_frame(const pupil_t *pupil, int64_t t_ns)
 {
     static const int64_t from_ns[] = {33 * MS, -17 * MS, 999 * MS, -999 * MS, 1000 * MS, -1000 * MS, 1001 * MS};
@@ -248,7 +248,7 @@ static void add_lamp(pupil_t *pupil, const lamp *l)
     }
 }
 
-/* Exposures that end exactly a second after the one before, by the info: the second one of each pair. */
+/* Pairs of exposures: by the info, the second ends exactly a second after the first. */
 static void add_pauses(pupil_t *pupil)
 {
     static const struct {

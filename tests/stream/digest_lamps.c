@@ -1,5 +1,5 @@
-/* Row gains: light of 100 Hz that goes up and down in straight lines, on a picture of integers, for as long as the
- * gains need to come. Every gain of every frame counts.
+/* Row correction gains: 100 Hz light that rises and falls linearly, on a picture of integers, for as long as gains need
+ * to start. Every gain of every frame counts.
  */
 #include "digest.h"
 

@@ -73,7 +73,7 @@ static const char *const pixel_names[PUPIL_PIXEL_COUNT] = {
 static const uint32_t out_pixels[3] = {PUPIL_PIXEL_RGBA8, PUPIL_PIXEL_BGRX8, PUPIL_PIXEL_RGB8};
 
 /* Every input format to every output format at every size, upright and upside down. Widths around 16, the number of
- * lanes that a row is metered in; fewer, equal and more rows than the grid and the bands have. */
+ * lanes in metering; fewer, equal and more rows than the grid and the bands have. */
 static void shapes(void)
 {
     static const uint32_t sizes[][2] = {{1, 1}, {3, 5}, {16, 16}, {17, 2}, {641, 7}, {64, 48}, {2, 100}};
@@ -98,7 +98,7 @@ static void shapes(void)
             }
 }
 
-/* Formats of cameras, with codings that use all of it, to RGBA, NV12 and, of mosaics, to half the size. */
+/* Camera formats, with codings that use every feature, to RGBA, NV12 and, for mosaics, to half the size. */
 static void cameras(uint32_t first, uint32_t last, uint32_t lights)
 {
     static const uint32_t sizes[][2] = {{4, 2}, {20, 34}, {64, 48}, {516, 6}};
@@ -145,7 +145,7 @@ static void cameras(uint32_t first, uint32_t last, uint32_t lights)
             }
 }
 
-/* Companded grey and mosaics, as cameras() otherwise. */
+/* Companded grey and mosaics, otherwise as cameras(). */
 static void companded(uint32_t in, uint32_t flags)
 {
     digest_case c = usual();
@@ -188,7 +188,7 @@ static void outputs(void)
         }
 }
 
-/* By luma: pairs of rows, single ones, and last columns alone; blocks of more quads than a kernel takes, and fewer. */
+/* By luma: pairs of rows, single rows, and single last columns; more and fewer quads than a kernel's block. */
 static void by_luma(void)
 {
     static const uint32_t ins[] = {PUPIL_PIXEL_NV12, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV21,
@@ -269,7 +269,7 @@ static void curves(void)
             }
 }
 
-/* Every curve from the histogram, as every other thing changes. */
+/* Every curve from the histogram, with every other setting changed. */
 static void knots(void)
 {
     static const char *const ways[6] = {"-whole", "-exposed", "-rows", "-seam", "-at-once", "-soon"};
@@ -283,7 +283,7 @@ static void knots(void)
             c.in = way == 3 ? PUPIL_PIXEL_RGBA8 : PUPIL_PIXEL_RGBA16F;
             c.frames = way > 3 ? 24 : 8;
             c.flags |= way % 4 == 1 ? DIGEST_EXPOSED : way == 2 ? DIGEST_ROWS : way == 3 ? DIGEST_SEAM : 0;
-            if (way > 3) /* the curve is soon where it goes, and its knots go up and down by stops */
+            if (way > 3) /* the curve soon reaches its target, and its knots move by stops */
                 c.config.tau_light_s = c.config.tau_dark_s = way == 4 ? 0.0 : 0.03;
             if (way == 4) {
                 c.config.curve_share = 0.1;
@@ -335,7 +335,7 @@ static void bt2020(digest_case *c)
 
 static void matrix(digest_case *c)
 {
-    /* Display P3 to XYZ, rounded to eight binary places: any matrix would do. */
+    /* Display P3 to XYZ, rounded to eight binary places; any other matrix would be as good. */
     static const float p3[9] = {124.0f, 68.0f, 51.0f, 59.0f, 177.0f, 20.0f, 0.0f, 12.0f, 267.0f};
     c->config.primaries = PUPIL_PRIMARIES_MATRIX;
     for (int i = 0; i < 9; i++)
@@ -401,7 +401,7 @@ static void locked(digest_case *c)
     c->config.lock = 1;
 }
 
-/* Light of 1e-3 to 1 cd/m2: rods in the picture, which has primaries of its own. */
+/* Light of 1e-3 to 1 cd/m2: rods in a picture that has its own primaries. */
 static void night(digest_case *c)
 {
     c->config.law = PUPIL_LAW_EYE;

@@ -12,7 +12,7 @@ static uint64_t add(uint64_t digest, const void *bytes, size_t count)
     return digest;
 }
 
-/* Their bits, the lowest byte first, as they lie in the memory of a little-endian CPU. */
+/* Their bits, the lowest byte first, as in the memory of a little-endian CPU. */
 static uint64_t add_floats(uint64_t digest, const float *values, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

@@ -1,5 +1,5 @@
-/* Dark frames of codes: noise stays dark, a picture that is 4 stops too dark does not, and the way back to light is the
- * law's own. */
+/* Dark frames of codes: noise stays dark, a picture that is 4 stops too dark does not, and the way back to light
+ * follows the law. */
 #include "check.h"
 #include "pupil/pupil.h"
 
@@ -14,10 +14,10 @@ typedef struct camera {
     uint32_t pixel;
     double black, white; /* codes */
     double noise;        /* standard deviation in the dark, codes */
-    double finer_ev;     /* how far the first code is below 2^-12 */
+    double finer_ev;     /* by how much the first code is below 2^-12 */
 } camera;
 
-/* 8 bits as webcams give them, after their own sRGB curve; sensors at a low and at a high gain. */
+/* 8 bits as from webcams, after their own sRGB curve; sensors at a low and at a high gain. */
 static const camera cameras[] = {{"RGB8", PUPIL_PIXEL_RGB8, 0, 255, 1, 0},
                                  {"YUYV", PUPIL_PIXEL_YUYV, 16, 235, 1, 0},
                                  {"GREY8", PUPIL_PIXEL_GREY8, 0, 255, 0.5, 0},
@@ -41,7 +41,7 @@ static void start(double amplification_ev)
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
 }
 
-/* Sum of 12, in the middle 0. */
+/* Sum of 12, with mean 0. */
 static double gaussian(void)
 {
     double sum = -6.0;
@@ -67,7 +67,7 @@ static void put(const camera *c, void *frame, int i, double code)
     }
 }
 
-/* A frame around `code`, of 10,000 pixels two hot ones at full; and what is made of it. */
+/* A frame of 10,000 pixels around `code`, two of them hot at full; returns its exposure. */
 static pupil_exposure look(const camera *c, double code, double noise, int hot, const pupil_frame_info *info)
 {
     static uint16_t frame[SIDE * SIDE * 3 / 2];
@@ -131,7 +131,7 @@ static double code_of(const camera *c, double light)
     return c->black + value * (c->white - c->black);
 }
 
-/* The limit is of the frame's codes: in the light of the scene it is where the exposure and gain put it. */
+/* The limit applies to the frame's codes: in scene light it depends on exposure and gain. */
 static void check_exposed(void)
 {
     for (int stops = -6; stops <= 6; stops += 3) {
@@ -143,7 +143,8 @@ static void check_exposed(void)
     }
 }
 
-/* 4 stops too dark, with the noise that rounds it: as bright as any. A stop darker: a stop darker. */
+/* 4 stops too dark, with noise that dithers it: as bright as a right frame. Each further stop of the scene makes the
+ * picture a stop darker. */
 static void check_too_dark(void)
 {
     for (size_t i = 0; i < sizeof cameras / sizeof cameras[0]; i++) {
@@ -162,7 +163,7 @@ static void check_too_dark(void)
     }
 }
 
-/* Statistics say how much light the first code is; those of floats have none, and no limit. */
+/* Statistics have the light of the first code; those of floats have none, and no limit. */
 static void check_codes(void)
 {
     static const struct {
@@ -217,7 +218,7 @@ static void check_codes(void)
     CHECK(e.adapted_ev == -13.0 && e.state == PUPIL_STATE_SETTLED && e.reason == PUPIL_REASON_NONE);
 }
 
-/* Cap on, cap off: each step is the law's share of the way to the target, which is at the limit in the dark. */
+/* Cap on, cap off: each step is the law's share of the distance to the target, which in the dark is at the limit. */
 static void check_way_back(void)
 {
     static const int rates[] = {24, 30, 60, 240};
@@ -249,7 +250,7 @@ static void check_way_back(void)
     }
 }
 
-/* The limit is of codes: a longer exposure moves it to darker scenes. */
+/* The limit applies to codes: a longer exposure moves it to darker scenes. */
 static void check_exposures(void)
 {
     const camera *c = &cameras[0];

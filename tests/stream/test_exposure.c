@@ -1,5 +1,5 @@
-/* What pupil_exposure and pupil_curve say: key, compensation, limits, states and reasons, lock, a frame's own exposure
- * and gain divided out and put back, and the white point that follows.
+/* The values of pupil_exposure and pupil_curve: key, compensation, limits, states and reasons, lock, a frame's own
+ * exposure and gain divided out and multiplied back, and the following white point.
  */
 #include "check.h"
 #include "frames.h"
@@ -83,7 +83,7 @@ static void check_scale(void)
     }
 }
 
-/* Halved exposure under doubled light is the same frame, and the same scene twice as bright; the level says scene. */
+/* Half the exposure in twice the light is the same frame, of a scene twice as bright; the level is the scene's. */
 static void check_divided_out(void)
 {
     pupil_config config;
@@ -103,14 +103,14 @@ static void check_divided_out(void)
     CHECK(fabs(e.adapted_ev - level) <= 1e-12);
     const pupil_curve brighter = curve_of(&pupil, 1.0 / 128, 8);
     CHECK(fabs(brighter.scale / before.scale - 0.5) < 1e-6);
-    /* A frame that does not say is taken as exposed like the last one that did. */
+    /* A frame without an exposure is taken as exposed like the last one that had it. */
     e = adapt(&pupil, -1, 0, 0);
     CHECK_MSG(fabs(e.adapted_ev - level) <= 1e-12 && fabs(e.metered_ev - level) <= 1e-12, "without metadata: %g",
               e.metered_ev);
     CHECK(curve_of(&pupil, 0, 0).scale == brighter.scale);
     e = adapt(&pupil, -2, 1.0 / 64, 2);
     CHECK(fabs(e.adapted_ev - level) <= 1e-12 && curve_of(&pupil, 0, 0).scale == before.scale);
-    /* Twice the light at the same exposure is one stop more. */
+    /* Twice the light at the same exposure is one stop higher. */
     e = adapt(&pupil, -1, 1.0 / 64, 2);
     CHECK(fabs(e.metered_ev - level - 1) < 1e-12 && e.adapted_ev > level);
 }
@@ -120,7 +120,7 @@ static void check_limits(void)
     pupil_config config;
     pupil_t pupil;
     pupil_exposure e;
-    for (uint32_t law = 0; law < PUPIL_LAW_EYE; law++) { /* the eye's takes hours: test_eye.c */
+    for (uint32_t law = 0; law < PUPIL_LAW_EYE; law++) { /* the eye takes hours: test_eye.c */
         pupil_config_default(&config);
         config.law = law;
         config.frame_weight = 0.2;
@@ -144,7 +144,7 @@ static void check_limits(void)
         for (int n = 0; n < 1500; n++)
             e = adapt(&pupil, -30, 0, 0);
         CHECK(e.adapted_ev == -4 && e.state == PUPIL_STATE_LIMITED && e.reason == PUPIL_REASON_EV_MIN);
-        config.ev_min = -2; /* tighter while running */
+        config.ev_min = -2; /* tighter limits during the run */
         CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
         for (int n = 0; n < 1500; n++)
             e = adapt(&pupil, -30, 0, 0);
@@ -202,7 +202,7 @@ static void check_lock(void)
 }
 
 /* Frames without weight hold the level; before the first valid one they are mapped at the key itself. */
-/* Whoever meters and maps on threads of their own gets the picture of pupil_process before the first light, too. */
+/* A caller that meters and maps on its own threads gets the picture of pupil_process before the first light, too. */
 static void check_curve_before_light(void)
 {
     pupil_config config;
@@ -279,7 +279,7 @@ static void check_white_follows(void)
         quantile += 2; /* scene light: divided by the exposure */
         if (n == 0)
             CHECK_MSG(fabs(e.white_ev - quantile) < 1e-9, "first white %g, quantile %g", e.white_ev, quantile);
-        else /* on its way from the last one to the quantile, at most there */
+        else /* between the last one and the quantile */
             CHECK(fmin(before, quantile) - 1e-9 <= e.white_ev && e.white_ev <= fmax(before, quantile) + 1e-9);
         CHECK_MSG(fabs(curve.inverse_white_squared * white * white - 1) < 1e-6, "frame %d: W %g, 1/W^2 %g", n, white,
                   curve.inverse_white_squared);
@@ -290,7 +290,7 @@ static void check_white_follows(void)
     frame_free(&f);
 }
 
-/* A setting that no camera has is as one that is not known, whichever end it is beyond. */
+/* An impossible setting counts as unknown, whether it is too large or too small. */
 static void check_unknown_settings(void)
 {
     static const double wrong[][2] = {{0.25, 0x1.1p64}, {0.25, 0x1p-65}, {0x1.1p64, 2},
@@ -306,7 +306,8 @@ static void check_unknown_settings(void)
     }
 }
 
-/* A white point that begins to follow has no past: none until a frame has been seen, and then at once that frame's. */
+/* A white point that begins to follow has no past: there is none before the first frame, and then it is at once that
+ * frame's. */
 static void check_white_begins(void)
 {
     pupil_config config;

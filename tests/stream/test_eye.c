@@ -1,5 +1,5 @@
-/* The eye's law: its four filters against their closed forms at any frame rate and with frames lost; dark adaptation
- * against the differential equations in small steps; that it ends, and what it does at the ends of its range. The
+/* The eye's law: its four filters against their closed forms at any frame rate and with lost frames; dark adaptation
+ * against the differential equations in small steps; that it ends, and its behaviour at the ends of its range. The
  * reference has the formulas of docs/numerics.md in long double and shares nothing with the library.
  */
 #include "check.h"
@@ -28,7 +28,7 @@ static pupil_exposure adapt(pupil_t *pupil, const pupil_stats *stats, int64_t ti
     return exposure;
 }
 
-/* Statistics of a light in cd/m2; returns the nearest that statistics can be of. */
+/* Statistics of a light in cd/m2; returns the nearest light that statistics can represent. */
 static long double light_at(double cd_m2, pupil_stats *stats)
 {
     return exp2l((long double)ref_stats_at(log2(cd_m2 / (double)UNIT_CD_M2), 1, stats)) * UNIT_CD_M2;
@@ -59,7 +59,7 @@ static void filters_of(const pupil_exposure *e, double value[FILTERS])
     value[ROD_PIGMENT] = e->rod_pigment;
 }
 
-/* From light to light: at the end of each, what is left of the way is the closed form's start for the next. */
+/* From light to light: the remaining distance at the end of each is the closed form's start for the next. */
 static void filters_at(int fps, int lost_percent)
 {
     static const double lights[] = {30.0, 2000.0, 0.02, 5.0, 1e-4, 3e5};
@@ -120,7 +120,7 @@ static long double rod_half(long double light)
     return 2.5874L * light / (19000 * j2 * light + 0.2615L * powl(1 - j2, 4) * powl(light, 1 / 6.0L));
 }
 
-/* log2 of the light that both together answer faint light with half of one response of the same slope. */
+/* log2 of the half-saturation light of a single response with the same slope in faint light as both together. */
 static long double faintest(const long double s[FILTERS])
 {
     return log2l(s[CONE_PIGMENT] * powl(cone_half(s[CONE]), -0.73L) + s[ROD_PIGMENT] * powl(rod_half(s[ROD]), -0.73L)) /
@@ -168,7 +168,7 @@ static void change_of(const long double s[FILTERS], long double light, long doub
     }
 }
 
-/* One step of Runge and Kutta of the fourth order. */
+/* One step of the fourth-order Runge-Kutta method. */
 static void step_of(long double s[FILTERS], long double light, long double dt)
 {
     long double k[4][FILTERS], at[FILTERS];
@@ -231,7 +231,7 @@ static void it_ends(void)
         CHECK_MSG(e.adapted_ev == e.metered_ev && e.state == PUPIL_STATE_SETTLED, "%g cd/m2: off by %g", lights[i],
                   e.adapted_ev - e.metered_ev);
     }
-    /* in tiny steps, too: as many units in the last place as are left */
+    /* also in tiny steps: as many as there are units in the last place left */
     double last = 1e9;
     (void)light_at(90.0, &stats);
     for (int64_t n = 0; n < 3000; n++) {
@@ -243,7 +243,7 @@ static void it_ends(void)
     CHECK_MSG(last < 1e-12, "%g", last);
 }
 
-/* No time, time that goes back, no light, frames beyond what an eye tells apart. */
+/* No time, time that goes back, no light, frames beyond what an eye can distinguish. */
 static void odd_frames(void)
 {
     pupil_config config;
@@ -277,7 +277,7 @@ static void odd_frames(void)
         }
 }
 
-/* ev_min and ev_max bound the level on its way, too. */
+/* ev_min and ev_max also bound the level while it moves. */
 static void limits(void)
 {
     pupil_config config;
@@ -299,7 +299,7 @@ static void limits(void)
     }
 }
 
-/* From law to law the level stays, and an eye begins at rest. */
+/* A change of law keeps the level, and an eye begins at rest. */
 static void changes_of_law(void)
 {
     pupil_config config;
@@ -327,7 +327,7 @@ static void changes_of_law(void)
     }
 }
 
-/* The eye at rest at either end of its range, and a frame of no time: the level is that end's, whatever the light. */
+/* The eye at rest at either end of its range, and a frame without a time step: the level is that end, for any light. */
 static void ends_of_the_range(void)
 {
     for (int end = 0; end < 2; end++) {
@@ -349,7 +349,7 @@ static void ends_of_the_range(void)
     }
 }
 
-/* In the dark the cones' pigment is restored long before the rods', and until both are the eye is not at rest. */
+/* In the dark the cones' pigment recovers long before the rods'; until both have, the eye is not at rest. */
 static void rods_are_last(void)
 {
     int rods_alone = 0;

@@ -1,5 +1,5 @@
 /* One object copied in mid-stream, moved, or saved and loaded: each copy continues with the same bits, in both orders
- * and under every law. Also what exact and fused mean: fused maps with the curve of the frame before.
+ * and under every law. Also the meaning of exact and fused: fused maps with the curve of the frame before.
  */
 #include "check.h"
 #include "frames.h"
@@ -40,7 +40,8 @@ static void same_results(const pupil_t *a, const pupil_t *b)
     CHECK(memcmp(&curve[0], &curve[1], sizeof *curve) == 0);
 }
 
-/* pupil_meter leaves the object as pupil_process does, byte for byte; frames of both kinds may alternate. */
+/* pupil_meter leaves the object in the same state as pupil_process, byte for byte; frames of both kinds may
+ * alternate. */
 static void check_meter(uint32_t law, uint32_t order, uint32_t pixel)
 {
     static pupil_t processed, metered;
@@ -71,7 +72,7 @@ static void check_fork(uint32_t law, uint32_t order)
 {
     pupil_config config;
     pupil_t *original = malloc(sizeof *original), *fork = malloc(sizeof *fork);
-    unsigned char *saved = malloc(sizeof *original + 1); /* odd address: bytes are bytes */
+    unsigned char *saved = malloc(sizeof *original + 1); /* odd address: only bytes are copied */
     frame in = frame_make(WIDTH, HEIGHT, PUPIL_PIXEL_RGBA32F, 0, 0);
     frame out[2] = {frame_make(WIDTH, HEIGHT, PUPIL_PIXEL_RGBA8, 0, 0),
                     frame_make(WIDTH, HEIGHT, PUPIL_PIXEL_RGBA8, 0, 0)};
@@ -142,7 +143,7 @@ static void check_lag(void)
     frame_free(&out[1]);
 }
 
-/* After reset the object does what a new one does. */
+/* After reset the object behaves as a new one. */
 static void check_reset(void)
 {
     pupil_config config;

@@ -1,4 +1,4 @@
-/* Highlights that hold the level back: by how much, and that no light makes the level jump. */
+/* How much highlights hold the level back, and that no light makes the level jump. */
 #include "check.h"
 #include "pupil/pupil.h"
 
@@ -46,7 +46,8 @@ static pupil_exposure first(double highlight_ev, double dark_ev, double lamp_ev,
     return look(&pupil, dark_ev, lamp_ev, lamp_pixels, SECOND);
 }
 
-/* Of a lamp of at least 8 % of the frame: what it is over 4 stops above the log-average, within a bin's eighth. */
+/* For a lamp on at least 8 % of the frame: how far it is over 4 stops above the log-average, within a bin's eighth of a
+ * stop. */
 static void check_amount(void)
 {
     for (double above = 3.0; above < 9.0; above += 0.25) {
@@ -58,11 +59,11 @@ static void check_amount(void)
         CHECK(e.reason == (e.held_back_ev > 0.05 ? PUPIL_REASON_HIGHLIGHTS : PUPIL_REASON_NONE));
     }
     CHECK(first(8.0, -5.0, 15.0, 1000).held_back_ev == 8.0 && first(0.0, -5.0, 15.0, 1000).held_back_ev == 0.0);
-    CHECK(first(2.0, -5.0, 5.0, 400).held_back_ev == 0.0); /* 4 % of the frame are let be */
+    CHECK(first(2.0, -5.0, 5.0, 400).held_back_ev == 0.0); /* 4 % of the frame are ignored */
 }
 
-/* Of a window of 1 to 4 % of the frame: what it is over 10.275 stops above the log-average, where the curve is white.
- * The brightest 0.5 % are let be. */
+/* For a window of 1 to 4 % of the frame: how far it is over 10.275 stops above the log-average, where the curve reaches
+ * white. The brightest 0.5 % are ignored. */
 static void check_white(void)
 {
     for (double above = 9.0; above < 16.0; above += 0.25) {
@@ -81,7 +82,7 @@ static void check_white(void)
     CHECK(before == 2.0);
 }
 
-/* The same light at any scale: the same amount. */
+/* The same light at any scale is held back by the same amount. */
 static void check_scale(void)
 {
     const double usual = first(2.0, -5.0, -0.1, 700).held_back_ev;
@@ -90,8 +91,8 @@ static void check_scale(void)
         CHECK(fabs(first(2.0, -5.0 + shift, -0.1 + shift, 700).held_back_ev - usual) < 1e-9);
 }
 
-/* A pixel more of lamp, or a hundredth of a stop: never a jump of what is asked for. A pixel in 10,000 is a 400th of
- * the way from 0.8 to 1.6 shares of 5 %, and all of it is two stops; a lamp may pass a bin's edge, an eighth of a stop.
+/* One more pixel of lamp, or a hundredth of a stop: the target never jumps. A pixel in 10,000 is a 400th of the way
+ * from 0.8 to 1.6 shares of 5 %, and the whole way is two stops; a lamp may pass a bin's edge, an eighth of a stop.
  */
 static void check_no_jump(void)
 {
@@ -115,7 +116,7 @@ static void check_no_jump(void)
     CHECK(worst <= 0.17);
 }
 
-/* A lamp goes on, and off: the level moves as its law has it, to one more target. At any frame rate the same. */
+/* A lamp is switched on, and off: the level moves by its law to the new target, the same at any frame rate. */
 static void check_in_time(void)
 {
     static const int rates[] = {24, 30, 60, 240};
@@ -146,7 +147,7 @@ static void check_in_time(void)
     }
 }
 
-/* Without a histogram, locked, and at the limits of the level. */
+/* Without a histogram, with a lock, and at the limits of the level. */
 static void check_reasons(void)
 {
     pupil_t pupil;

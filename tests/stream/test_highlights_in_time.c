@@ -1,5 +1,5 @@
-/* Highlights in time: a lamp goes on and off, and the camera pans across a window. The level takes the law's own steps,
- * the same way at any frame rate, and the constraint adds no step of its own. */
+/* Highlights over time: a lamp is switched on and off, and the camera pans across a window. The level takes only the
+ * law's steps, the same at any frame rate, and the constraint adds no step. */
 #include "check.h"
 #include "pupil/pupil.h"
 
@@ -8,18 +8,18 @@
 #define SECOND    INT64_C(1000000000)
 #define WIDTH     1200
 #define ROOM_EV   (-5.0)
-#define BRIGHT_EV 3.0 /* 8 stops above the room: 4 are missing, and 2 are held */
+#define BRIGHT_EV 3.0 /* 8 stops above the room: 4 too many, and 2 are held */
 #define TAU_LIGHT 0.3
 #define TAU_DARK  0.9
 #define LENGTH_S  6
-#define AT_S      6 /* a second has so many moments at which each of the rates has a frame */
+#define AT_S      6 /* so many moments a second at which all rates have a frame */
 
 static const int rates[] = {24, 30, 60, 240};
 
 /* The share of a column that is bright at a moment. */
 typedef double scene(double time_s, int column);
 
-/* A lamp on a sixth of the frame, on after 1 s, off after 3 s: in the first frame that comes later, at any rate. */
+/* A lamp on a sixth of the frame, on after 1 s, off after 3 s: at any rate, in the first frame after that. */
 static double lamp(double time_s, int column)
 {
     return time_s > 1.000001 && time_s < 3.000001 && column < WIDTH / 6;
@@ -34,7 +34,7 @@ static double window(double time_s, int column)
 
 typedef struct run {
     double level[LENGTH_S * AT_S + 1]; /* at the moments of all rates */
-    double most, held_most, held; /* the largest step, EV; of the target's part that highlights are; the most held */
+    double most, held_most, held; /* largest step, EV; largest step of the held part of the target; the most held */
     double most_rate;             /* EV a second */
 } run;
 
@@ -76,7 +76,7 @@ static run play(scene *light, int fps, double highlight_ev)
     return r;
 }
 
-/* `jumps`: the light does, so that the target's held part may, too; else that of each frame is small. */
+/* `jumps`: the light jumps, so the held part of the target may, too; else it changes little in each frame. */
 static void check(const char *name, scene *light, int jumps)
 {
     run first = {.most = 0.0};
@@ -95,7 +95,7 @@ static void check(const char *name, scene *light, int jumps)
         CHECK_MSG(with.most <= without.most + 2.0 * share + 1e-9, "a step of %g, without highlights %g", with.most,
                   without.most);
         CHECK_MSG(jumps ? apart < 1e-6 : apart <= first.most_rate / 24.0, "%d fps: %g EV from 24 fps", rates[i], apart);
-        /* 2 stops while 4 % of the width come in, at 40 % a second; and an edge of a bin, as stream.highlights has it
+        /* 2 stops while 4 % of the width come in, at 40 % a second; and a bin's edge, as in stream.highlights
          */
         CHECK_MSG(jumps || with.held_most <= 20.0 / rates[i] + 0.17, "%g a frame", with.held_most);
     }

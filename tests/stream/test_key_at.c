@@ -31,7 +31,7 @@ static pupil_exposure first(uint32_t points, double ev, double ev_compensation, 
     return e;
 }
 
-/* What the log-average is mapped to. */
+/* The value that the log-average is mapped to. */
 static double key_of(const pupil_exposure *e)
 {
     return e->scale * exp2(e->adapted_ev);
@@ -59,7 +59,7 @@ static void check_points(void)
     CHECK_MSG(worst < 1e-12, "off by %g stops", worst);
 }
 
-/* The light is the scene's, not the frame's: with exposure and gain the same frame is night or day. */
+/* The light is the scene's, not the frame's: depending on exposure and gain the same frame is night or day. */
 static void check_scene(void)
 {
     const pupil_frame_info night = {.exposure_s = 0.25, .gain = 64}, day = {.exposure_s = 0.001, .gain = 1};
@@ -68,7 +68,7 @@ static void check_scene(void)
               key_of(&bright));
 }
 
-/* As the light falls the picture's grey falls with it, never by a jump. */
+/* As the light falls the picture's grey falls with it, without jumps. */
 static void check_dusk(void)
 {
     pupil_t pupil;

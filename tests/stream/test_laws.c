@@ -1,4 +1,4 @@
-/* The four formulas of the study against their closed forms (long double), and what must hold between them: 3 equals 4
+/* The four formulas of the study against their closed forms (long double), and the relations between them: 3 equals 4
  * bit for bit, 1 and 2 mirror each other, light scaled by 2^k moves the level by k.
  */
 #include "check.h"
@@ -55,7 +55,8 @@ static void check_closed_forms(void)
                              high = ref_stats_at(-2.504 + ratio, 0, &stats[1]);
                 const double from = step & 1 ? high : low, to = step & 1 ? low : high;
                 /* The geometric state is an integer of 2^-52 stop, rounded away from the old value by up to one unit
-                 * each frame: at most 1/w units ahead. The arithmetic ones are doubles of 2^-53 relative, the same. */
+                 * each frame: at most 1/w units ahead. The arithmetic ones are doubles, with 2^-53 relative, so the
+                 * bound is the same. */
                 const double bound = 0x1p-51 * (1 / w + 8);
                 start(&pupil, law, w);
                 adapt(&pupil, &stats[step & 1]);
@@ -148,7 +149,7 @@ static void check_relations(void)
     CHECK(scaled <= 1e-13);
 }
 
-/* A change of law carries the level over, wherever it is. */
+/* A change of law keeps any level. */
 static void check_change(void)
 {
     double worst = 0;
@@ -172,7 +173,7 @@ static void check_change(void)
             CHECK(pupil_retune(&pupil, &config) == PUPIL_OK);
             CHECK(pupil_get_exposure(&pupil, &after) == PUPIL_OK && after.frames == 2);
             worst = fmax(worst, fabs(after.adapted_ev - before));
-            /* and the next frame moves on from there: 1e-7 is far more than such weights can move it */
+            /* and the next frame continues from there: 1e-7 is far more than such weights can move it */
             const double next = adapt(&pupil, &stats).adapted_ev;
             CHECK_MSG(fabs(next - before) <= 1e-6, "law %u to %u: %.17g, then %.17g", from, to, before, next);
         }
@@ -180,7 +181,7 @@ static void check_change(void)
     CHECK(worst <= 1e-12);
 }
 
-/* With the weight 1 each frame is at its own level, bit for bit, whatever was before. */
+/* With the weight 1 each frame has its own level, bit for bit, regardless of the past. */
 static void check_at_once(void)
 {
     for (uint32_t law = PUPIL_LAW_ARITHMETIC_SCALE; law < PUPIL_LAW_EYE; law++) {

@@ -1,5 +1,5 @@
-/* A frame cut into groups of rows: any cut, any order, any number of threads give the bits of the frame in one piece,
- * in its statistics and in its display frame.
+/* A frame cut into groups of rows: any cut, order and number of threads give the bits of the whole frame, in its
+ * statistics and its display frame.
  */
 #include "check.h"
 #include "frames.h"
@@ -72,7 +72,7 @@ static pupil_image rows_of(const frame *f, uint32_t first, uint32_t rows)
     return image;
 }
 
-/* The whole at once, against groups metered apart, merged in another order, as a tree. */
+/* The whole frame against groups that are metered separately, and merged in another order, as a tree. */
 static void check_stats(const pupil_t *pupil, const frame *f, const pupil_stats *whole)
 {
     const cut c = cut_random(f->image.height);
@@ -136,7 +136,7 @@ static void check_by_rows(const pupil_config *config, const frame *f)
     frame_free(&out[1]);
 }
 
-/* pupil_process in exact order against the four steps it is made of; fused_rows against meter_rows and map_rows. */
+/* pupil_process in exact order against its four steps; fused_rows against meter_rows and map_rows. */
 static void check_steps(const pupil_config *config, const frame *f)
 {
     pupil_t at_once, steps;
@@ -220,7 +220,7 @@ static void check_threads(const pupil_config *config, const frame *f)
     frame_free(&out[1]);
 }
 
-/* Everything that cannot be merged is refused and leaves both sides as they were. */
+/* Everything that cannot be merged is refused and leaves both sides unchanged. */
 static void check_refused(void)
 {
     pupil_stats a, b, empty, sum, before;

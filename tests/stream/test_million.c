@@ -1,6 +1,5 @@
 /* A million frames of a day with weather, clouds, tunnels, cuts to black and clock errors: the level stays finite,
- * within its limits and between its targets, every state is one that can be, and the end is what a fork from the middle
- * gets.
+ * within its limits and between its targets, every state is valid, and a fork from the middle ends the same.
  */
 #include "check.h"
 #include "frames.h"

@@ -6,7 +6,7 @@
 
 #define PIXELS 1000
 
-/* Of one frame in which so many pixels are `dark` and the others `light`. */
+/* The result of one frame in which so many pixels are `dark` and the others `light`. */
 static pupil_exposure look(float floor, int dark_pixels, float dark, float light)
 {
     static float rgb[PIXELS * 3];
@@ -35,7 +35,7 @@ int main(int argc, char **argv)
         CHECK(look(0x1p-14f, 1000, dark[i], 0.18f).state == PUPIL_STATE_SETTLED);
     }
     CHECK(look(0x1p-14f, 1000, 1e-6f, 0.18f).reason == PUPIL_REASON_RANGE);
-    pupil_exposure e = look(0x1p-30f, 1000, 1e-6f, 0.18f); /* a lower floor, and it is metered */
+    pupil_exposure e = look(0x1p-30f, 1000, 1e-6f, 0.18f); /* with a lower floor it is metered */
     CHECK(e.reason == PUPIL_REASON_NONE && fabs(e.adapted_ev - log2(1e-6)) < 1e-5);
     CHECK(look(0x1p-14f, 400, 0.18f, 1e30f).reason == PUPIL_REASON_NONE);
     CHECK(look(0x1p-14f, 20, 0.18f, 1e30f).reason == PUPIL_REASON_RANGE);

@@ -1,5 +1,5 @@
-/* The default law: first order in log2 luminance, in seconds, at any frame rate, with its own time constant for
- * more and for less light; and what clocks can do to it.
+/* The default law: first order in log2 luminance, in seconds, at any frame rate, with separate time constants for more
+ * and for less light; and the effects of clocks.
  */
 #include "check.h"
 #include "pupil/pupil.h"
@@ -31,7 +31,7 @@ static pupil_exposure adapt(pupil_t *pupil, double ev, int64_t timestamp_ns)
     return exposure;
 }
 
-/* After a step the distance is what exp(-t / tau) leaves of it, at any mix of steps. */
+/* After a step the distance is exp(-t / tau) of the original, for any mix of time steps. */
 static void check_closed_form(void)
 {
     double worst = 0;
@@ -40,7 +40,7 @@ static void check_closed_form(void)
         const int up = i & 1;
         int64_t now = SECOND;
         pupil_t pupil;
-        start(&pupil, up ? tau : 1e6, up ? 1e6 : tau); /* the other one would be seen at once */
+        start(&pupil, up ? tau : 1e6, up ? 1e6 : tau); /* the wrong one would show at once */
         const double to = from + (up ? 8 : -8), begun = adapt(&pupil, from, now).adapted_ev;
         pupil_stats stats;
         const double target = ref_stats_at(to, 0, &stats);
@@ -58,7 +58,7 @@ static void check_closed_form(void)
     printf("default law: at most %.2g stops from its closed form (<= 1e-10)\n", worst);
 }
 
-/* The same light at any frame rate, and with frames dropped: the same level at the same moment. */
+/* The same light at any frame rate, and with dropped frames, gives the same level at the same moment. */
 static void check_rates(void)
 {
     static const int fps[] = {24, 30, 50, 60, 120, 240, 1};
@@ -83,7 +83,7 @@ static void check_rates(void)
                 worst = fmax(worst, fabs(level[at] - now));
             }
         }
-        for (int k = 0; k < 3; k++) /* n dt equal within one dt of either */
+        for (int k = 0; k < 3; k++) /* n dt are equal within one dt of either */
             CHECK_MSG(fabs(reached[k][r] - reached[k][0]) <= 1.0 / fps[r] + 1.0 / 24 || !isfinite(reached[k][0]),
                       "%d fps: within %g after %g s, at 24 fps after %g s", fps[r], within[k], reached[k][r],
                       reached[k][0]);
@@ -116,7 +116,7 @@ static long double integrate(long double level, long double target, long double 
 }
 
 /* A step up and one down, each with its own time constant, at any frame rate and with a fifth of the frames lost: the
- * level is the ODE's at every frame, and each part of the way is done when the ODE has done it, by 1 % of the time. */
+ * level is the ODE's at every frame, and covers each part of the distance at the ODE's time, within 1 %. */
 static void check_ode(void)
 {
     static const int fps[] = {1, 10, 30, 120, 240};
@@ -143,7 +143,7 @@ static void check_ode(void)
             worst_ev = fmax(worst_ev, fabs(got - (double)level));
             CHECK_MSG(fabs(got - (double)level) <= 1e-4, "%d fps, drops %d, frame %d: %g, the ODE has %g", rate, drops,
                       n, got, (double)level);
-            /* what is left of this frame's way, as time */
+            /* the rest of this frame's distance, as a time */
             const double took = tau[dark] * log((before - target) / (got - target)), dt = (double)(now - last) * 1e-9;
             if (fabs(before - target) > 0.02 && fabs(got - target) > 0.02) {
                 worst_share = fmax(worst_share, fabs(took / dt - 1));
@@ -183,7 +183,7 @@ static void check_clocks(void)
     CHECK(e.adapted_ev == 0 && e.dt_s == 0 && e.metered_ev == 4 && e.reason == PUPIL_REASON_CLOCK_UNIT);
     e = adapt(&pupil, 4, 9 * SECOND); /* back in time */
     CHECK(e.adapted_ev == 0 && e.dt_s == 0 && e.reason == PUPIL_REASON_CLOCK_BACK);
-    e = adapt(&pupil, 4, 9 * SECOND + SECOND / 2); /* and on from there */
+    e = adapt(&pupil, 4, 9 * SECOND + SECOND / 2); /* and continues from there */
     CHECK_MSG(fabs(e.adapted_ev - 4 * (1 - exp(-1))) < 1e-9 && e.reason == PUPIL_REASON_NONE,
               "after the clock went back: %g, dt %g", e.adapted_ev, e.dt_s);
     e = adapt(&pupil, 4, 9 * SECOND + SECOND / 2 + INT64_C(1000000) * SECOND); /* twelve days later */
@@ -196,7 +196,7 @@ static void check_clocks(void)
     CHECK_MSG(e.adapted_ev == 5 && e.dt_s > 1.8e10, "the longest step: %g s", e.dt_s);
 }
 
-/* 30 frames a second, whose timestamps are in another unit than ns. */
+/* 30 frames a second with timestamps in another unit than ns. */
 static void check_units(void)
 {
     static const struct {

@@ -1,6 +1,6 @@
-/* A weight of 1e-7 never stalls, never overshoots, and ends bit-equal to its target, under every law that has one (the
- * eye's has none: test_eye.c). It starts less than 0.5 / w units of the state away: a recursion that rounds to nearest
- * would not move from there.
+/* With a weight of 1e-7 the level never stalls, never overshoots, and ends bit-equal to its target, under every law
+ * with a weight (the eye's has none: test_eye.c). It starts less than 0.5 / w units of the state away: a recursion that
+ * rounds to nearest would not move from there.
  */
 #include "check.h"
 #include "pupil/pupil.h"
@@ -29,7 +29,7 @@ static void converge(uint32_t law, double weight, double distance, double target
     for (; before != to && n < 400000000 && !wrong; n++) {
         wrong |= pupil_adapt(&pupil, &stats[1], NULL) != PUPIL_OK;
         if (n % 64 && n > 256 && fabs(before - to) > 1e-9)
-            continue; /* looking costs as much as moving */
+            continue; /* a check costs as much as a step */
         wrong |= pupil_get_exposure(&pupil, &e) != PUPIL_OK;
         wrong |= to > from ? e.adapted_ev < before || e.adapted_ev > to : e.adapted_ev > before || e.adapted_ev < to;
         before = e.adapted_ev;

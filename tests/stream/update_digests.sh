@@ -1,6 +1,6 @@
 #!/bin/sh
-# update_digests.sh: writes tests/stream/digests.txt and tests/scene/digests.txt anew from an unoptimised build, and
-# prints what changed. To be run only by someone who meant to change the bits, and can say why in the commit.
+# update_digests.sh: rewrites tests/stream/digests.txt and tests/scene/digests.txt from an unoptimised build, and prints
+# what changed. Only run it if you meant to change the bits, and say why in the commit.
 set -eu
 cd "$(dirname "$0")/../.."
 build=build/digest

@@ -1,5 +1,5 @@
 #!/bin/sh
-# absent.sh BUILD: builds the program without its libraries into BUILD. It works with what is left, and says what is
+# absent.sh BUILD: builds the program without its libraries into BUILD. It works with the rest, and says what is
 # missing.
 set -eu
 sh "$(dirname "$0")/nested.sh" "$1" pupil - -- --preset release -DPUPIL_WERROR=ON \
@@ -30,7 +30,7 @@ refuses() {
 
 "$program" replay synth:walk --frames 3 -q -o "$work/walk.y4m"
 [ -s "$work/walk.y4m" ] || { echo "FAILED: no Y4M"; status=1; }
-mkdir "$work/shots" # a recording, by what is looked at first
+mkdir "$work/shots" # a recording, by the first thing that is checked
 echo '{}' >"$work/shots/recording.json"
 
 printf '\166\057\061\001 EXR by its first bytes' >"$work/a.exr"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# branches.sh BUILD lib|drivers: builds for coverage in BUILD, runs tests of the rooms below, and fails unless each way of
-# each branch of these rooms ran, except those of branches.txt, or unless as many ran as it says.
+# branches.sh BUILD lib|drivers: builds for coverage in BUILD, runs tests of the rooms below, and fails unless each way
+# of each branch in these rooms ran, except those of branches.txt, and as many ran as that file says.
 set -eu
 build=$1
 mkdir -p "$build"
@@ -12,7 +12,7 @@ lib)
     targets="tests/core/all tests/look/all tests/flicker/all tests/sensor/all tests/stream/all tests/veil/all
         test_kernels_levels test_kernels_pieces test_kernels_scalar test_row_gain_map"
     labels='^quick$'
-    not_labels='^sweep$' # nothing that no other test reaches, and minutes without optimisation
+    not_labels='^sweep$' # nothing that other tests do not reach, and takes minutes without optimisation
     flags=
     options="-DPUPIL_PROGRAM=OFF -DPUPIL_GPU=OFF -DPUPIL_MEDIA=OFF -DPUPIL_PYTHON=OFF"
     ;;
@@ -23,8 +23,8 @@ drivers)
     targets="tests/drivers/all tests/gstreamer/all test_gles_context test_gles_external test_gles_window test_gles_egl14"
     labels='^(quick|full)$'
     not_labels='^$'
-    without='_images$|valgrind' # of all pixels, and by valgrind: minutes without optimisation
-    # The branches of GLib's and GStreamer's macros are not ours.
+    without='_images$|valgrind' # of all pixels, and in valgrind: minutes without optimisation
+    # Branches of GLib's and GStreamer's macros do not count.
     flags="-DG_DISABLE_CAST_CHECKS -DG_DISABLE_CHECKS -DG_DISABLE_ASSERT -DGST_LEVEL_MAX=GST_LEVEL_NONE"
     options="-DPUPIL_PYTHON=OFF"
     ;;

@@ -1,6 +1,6 @@
 #!/bin/sh
-# hardened.sh PROGRAM: it is loaded at any address, its tables of functions cannot be written once it runs, and it checks
-# its stacks and the sizes in calls of the C library.
+# hardened.sh PROGRAM: it is loaded at any address, its function tables are read-only once it runs, and it checks its
+# stacks and the sizes in calls of the C library.
 set -eu
 program=$1
 readelf=${READELF:-readelf}

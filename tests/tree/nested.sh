@@ -1,8 +1,8 @@
 #!/bin/sh
-# nested.sh BUILD TARGET CTEST_ARGUMENTS [-- CMAKE_ARGUMENTS...]: configures and builds this tree once more, otherwise,
-# and runs the tests there. TARGET may be several words, "-" builds all; CTEST_ARGUMENTS "-" runs none; without "--" the
-# build is there.
-# One test more at a time than there are jobs: some wait, for cameras and for time.
+# nested.sh BUILD TARGET CTEST_ARGUMENTS [-- CMAKE_ARGUMENTS...]: configures and builds this tree once more, with other
+# settings, and runs the tests there. TARGET may be several words, "-" builds all; CTEST_ARGUMENTS "-" runs none;
+# without "--" the build must exist. Runs one more test in parallel than there are jobs, because some wait for cameras
+# and for time.
 set -eu
 build=$1 target=$2 ctest_arguments=$3
 shift 3
@@ -22,9 +22,9 @@ if [ $# -gt 0 ]; then
     shift
     cd "$source" # where the presets are
     quietly cmake -G Ninja "$@" -B "$build"
-    # Words, on purpose.
+    # Unquoted on purpose.
     quietly cmake --build "$build" --target $target -j "${PUPIL_JOBS:-2}"
 fi
 [ "$ctest_arguments" = - ] && exit
-# Words, on purpose.
+# Unquoted on purpose.
 ctest --test-dir "$build" -j "$((${PUPIL_JOBS:-2} + 1))" --no-tests=error --output-on-failure $ctest_arguments

@@ -12,12 +12,12 @@ import subprocess
 import sys
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
-# Where a header is looked for, in this order, after the folder of the file that includes it.
+# Where headers are searched, in this order, after the folder of the including file.
 ROOTS = ("lib/include", "drivers/include", "lib", "drivers", "apps", "fixtures", "tests", "drivers/v4l2/controls")
 GENERATED = {"gles_shader_texts.h", "camera_sensor_text.h"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<(pupil/[^>]+)>)', re.M)
 
-# What each top-level folder includes, besides itself and the public headers of lib.
+# What each top-level folder may include, besides itself and the public headers of lib.
 HOUSES = {
     "lib": (),
     "fixtures": (),
@@ -27,7 +27,7 @@ HOUSES = {
     "docs": ("drivers",),  # examples
 }
 SOURCES_OF_SCENES = ("drivers/synth",)  # the one folder of drivers that sees fixtures
-# What the rooms of lib include, besides themselves and the public headers.
+# What the rooms of lib may include, besides themselves and the public headers.
 LIB = {
     "include": (),
     "base": (),
@@ -40,15 +40,15 @@ LIB = {
     "sensor": ("base", "core", "flicker"),
     "gles": ("base", "core"),
 }
-# Tests of what is inside a house: the table of kernels, the GPU's programs, instructions, sizes of objects.
+# Tests of internals: the table of kernels, the GPU's programs, instructions, sizes of objects.
 INSIDE = {"tests/base": "lib", "tests/kernels": "lib", "tests/gles": "lib", "tests/arm": "lib", "tests/abi": "lib",
           "tests/fixtures": "fixtures"}
 
-# apps know live cameras, and of one kind the names that --format takes.
+# apps know live cameras, and for one kind the names that --format takes.
 KIND_OF_CAMERA = ("drivers/v4l2/", "drivers/libcamera/")
 NAMES_OF_FORMATS = ("drivers/v4l2/format.h",)
 
-# What is known and to be removed, as it is printed. A line that is no longer true is a fault, too.
+# Known faults that are to be removed, as printed. A line that is no longer true is a fault, too.
 KNOWN = ()
 
 
@@ -78,7 +78,7 @@ def resolve(name, included, files):
 
 
 def includes(root):
-    """[(file, file that it includes)], and includes of files that are not there."""
+    """[(file, file that it includes)], and includes of missing files."""
     files = files_of(root)
     known = set(files)
     pairs, missing = [], []
@@ -120,7 +120,7 @@ def crossing(name, included):
 
 
 def circles(edges):
-    """The groups of nodes each of which is reached from each (Tarjan), of two nodes or more."""
+    """The strongly connected components (Tarjan) of two nodes or more."""
     graph = {}
     for a, b in edges:
         if a != b:
@@ -165,7 +165,7 @@ def calls(root, build):
             parts = parts[:-1] if part == "__" else parts + [part]  # CMake's word for ..
         name = "/".join(parts).split(".")[0]
         if not (root / f"{name}.c").is_file() and not (root / f"{name}.cpp").is_file():
-            continue  # of an earlier build
+            continue  # from an earlier build
         listed = subprocess.run(["nm", "-P", path], text=True, stdout=subprocess.PIPE, check=True).stdout
         for line in listed.splitlines():
             symbol, kind = line.split()[:2]

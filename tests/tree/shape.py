@@ -80,7 +80,7 @@ def closing(tokens, at, step=1):
 
 
 def name_before(tokens, at):
-    """The name of the function whose body the brace at `at` opens; None: it opens something else."""
+    """The name of the function whose body begins with the brace at `at`; None: something else begins there."""
     start = closing(tokens, at - 1, -1) if at and tokens[at - 1].text == ")" else None
     if not start or tokens[start - 1].text in HEADS:
         return None
@@ -88,7 +88,7 @@ def name_before(tokens, at):
 
 
 def split_functions(tokens, where):
-    """(name, line of its name, its body) of each function, and the tokens that are in none."""
+    """(name, line of its name, its body) of each function, and the tokens outside of functions."""
     functions, rest = [], []
     at = 0
     while at < len(tokens):

@@ -1,5 +1,6 @@
 #!/bin/sh
-# style.sh: .clang-format's opinion of every C and C++ file that git knows, and no line over 120 characters in these, CMake or Python.
+# style.sh: every C and C++ file in git follows .clang-format, and no line of these, CMake or Python is over 120
+# characters.
 set -eu
 cd "$(dirname "$0")/../.."
 status=0

@@ -10,11 +10,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 EXCUSES = HERE / "words_excused.txt"
 GLOSSARY = HERE.parent.parent / "docs" / "glossary.md"
 BINARY = {".png", ".jpg", ".exr", ".ico"}
-# A home or scratch folder. Templates of mkstemp and mkdtemp are nobody's, and end in their six X.
+# A home or scratch folder. Templates of mkstemp and mkdtemp, which end in six X, are allowed.
 MACHINE_PATH = re.compile(r"(?<![\w$}.)-])/(?:root|home|Users|work|tmp|mnt)/(?![\w.@-]*(?:XXXXXX|\.\.\.))[\w.@-]+")
 ROOMS = ("lib", "drivers", "apps", "fixtures", "tests", "cmake", "docs")
-HOUSES = ("apps/", "drivers/", "lib/")  # where a string is help or a message
-SHORTEST_SENTENCE = 4  # words; less is a label
+HOUSES = ("apps/", "drivers/", "lib/")  # where strings are help or messages
+SHORTEST_SENTENCE = 4  # words; a shorter string is a label
 LONG_SENTENCE = 35
 
 
@@ -43,7 +43,7 @@ def retired_words():
 
 
 def of_c(text, comments):
-    """Comments of a C file, or its strings: neighbouring ones are one."""
+    """Comments of a C file, or its strings; adjacent ones are joined."""
     token = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
     pieces, end = [], -1
     for m in token.finditer(text):
@@ -137,7 +137,7 @@ def is_excused(table, name, word):
 
 
 def missing_files(root, name, text):
-    """What a document links to or names, as `folder/file`, and is not there."""
+    """Missing files that a document links to or names as `folder/file`."""
     folder = (root / name).parent
     links = [(m.start(), folder / m[1]) for m in re.finditer(r"\]\((?!http)([^)#]+)[^)]*\)", text)]
     paths = [(m.start(), root / m[0]) for m in re.finditer(r"(?<![\w/.])(?:%s)/[\w/.-]*\w" % "|".join(ROOMS), text)]
@@ -194,7 +194,7 @@ PLANTED = (  # (file, text, retired words and machine paths in it)
 
 
 def check_planted():
-    """That the check can fail: 1 where a planted word is not found or another one is."""
+    """Checks that the check can fail: 1 if a planted word is not found, or another one is."""
     retired, faults = retired_words(), 0
     for name, text, words in PLANTED:
         found = [" ".join(m[0].lower().split()) for _, p in prose(name, text, False) for m in retired.finditer(p)]
@@ -239,7 +239,7 @@ def figures(root, pages):
     for file in files_of(root):
         name = file.relative_to(root).as_posix()
         if name in ("lib/include/pupil/sensor.h", "docs/glossary.md"):
-            continue  # the sensor's header is a work of its own; the glossary has the words
+            continue  # the sensor's header is another document; the glossary has the words
         if not name.endswith((".c", ".h", ".cpp", ".hpp", ".md")) and not re.search(r"\.\d$", name):
             continue
         room = name if pages and name.endswith((".md", ".1")) else room_of(name)

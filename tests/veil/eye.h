@@ -1,4 +1,4 @@
-/* tests/veil/eye.h: the published point spread functions as printed, by libm, and what they leave in pixels. */
+/* tests/veil/eye.h: the published point spread functions as printed, by libm, and their light in pixels. */
 #ifndef PUPIL_TESTS_VEIL_EYE_H
 #define PUPIL_TESTS_VEIL_EYE_H
 
@@ -40,7 +40,7 @@ static inline eye eye_of(uint32_t psf, double age, double pigment)
     return e;
 }
 
-/* The share of a lamp's light that a pixel at (x, y) from it gets. */
+/* The share of a lamp's light that a pixel at the offset (x, y) gets. */
 static inline double eye_pixel(const eye *e, double degrees_per_px, int x, int y)
 {
     const double steradians = pow(degrees_per_px * EYE_PI / 180, 2);
@@ -63,7 +63,7 @@ static inline double eye_pixel(const eye *e, double degrees_per_px, int x, int y
     return sum * steradians / e->total / (parts * parts);
 }
 
-/* The same of a Gaussian of weight 1. */
+/* The same for a Gaussian of weight 1. */
 static inline double eye_gaussian(double sigma, int x, int y)
 {
     const double root = sigma * sqrt(2);

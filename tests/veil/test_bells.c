@@ -1,5 +1,5 @@
 /* The five bells of the list of known lights, at 600 x 600 with a radius of 150 pixels and a period of 750, against the
- * sum of the bells at each pixel: the table of docs/look.md. And what a list may not have.
+ * sum of the bells at each pixel: the table of docs/look.md. Also invalid lists.
  */
 #include "check.h"
 
@@ -59,7 +59,7 @@ static void begin(double period, uint32_t harmonics)
     CHECK(pupil_veil_begin(&veil) == PUPIL_OK);
 }
 
-/* The largest error in % of the peak; the lowest value. */
+/* The largest error in % of the peak, and the lowest value. */
 static double error_of(uint32_t bell, int count, uint32_t harmonics, double peak, double *lowest)
 {
     static float picture[SIDE][3 * SIDE];
@@ -72,7 +72,7 @@ static double error_of(uint32_t bell, int count, uint32_t harmonics, double peak
         for (int x = 0; x < SIDE; x++) {
             const double value = (double)picture[y][3 * x + 1];
             const double error = fabs(value - exact[y][x]);
-            most = error > most ? error : most; /* by fmax, gcc 12 for AArch64 crashes at -O3 */
+            most = error > most ? error : most; /* with fmax, gcc 12 for AArch64 crashes at -O3 */
             *lowest = value < *lowest ? value : *lowest;
         }
     *lowest *= 100 / peak;
@@ -90,7 +90,7 @@ static void check_bell(uint32_t bell, int count)
         const double error = error_of(bell, count, n, peak, &lowest);
         printf("  N=%u %.3f (lowest %.2f)", n, error, lowest);
         CHECK_MSG(error < last * 1.05 || error < 0.03, "%s: more harmonics are no better",
-                  names[bell]); /* 0.03 %: its cut */
+                  names[bell]); /* 0.03 %: its truncation */
         last = error;
         if (n == 12 && bell == PUPIL_VEIL_GAUSSIAN)
             CHECK_MSG(error <= 0.05, "Gaussian %g %%", error);
@@ -110,7 +110,7 @@ static void place(double from, double to)
                                      .rgb = {0, (float)(1 + check_uniform()), 1}};
 }
 
-/* A bell near one edge is not seen at the other. */
+/* A bell near one edge does not appear at the other. */
 static void check_edge(void)
 {
     static float row[3 * SIDE];
@@ -138,7 +138,7 @@ static void check_refusals(void)
         s[1].rgb[2] = bad[i];
         CHECK(pupil_veil_add_bells(&veil, PUPIL_VEIL_DISC, RADIUS, s, 2) == PUPIL_ERR_VALUE);
         s[1] = spots[1];
-        s[1].x_px = i < 2 ? (double)bad[i] : i == 2 ? -1 : 601; /* it would come round */
+        s[1].x_px = i < 2 ? (double)bad[i] : i == 2 ? -1 : 601; /* it would wrap around */
         CHECK(pupil_veil_add_bells(&veil, PUPIL_VEIL_DISC, RADIUS, s, 2) == PUPIL_ERR_VALUE);
         s[1] = spots[1];
         s[1].y_px = i < 2 ? (double)bad[i] : i == 2 ? -1 : 601;

@@ -1,6 +1,6 @@
 /* Bloom: veil and bloom together against the published formulas, at 600 x 600, 54 degrees, 100 lamps: every pixel
- * within 2 %, rms 0.5 %, energy 1e-3. The same bits by any level of kernels and in any groups of rows; the bright pass;
- * hard frames; and what is refused.
+ * within 2 %, rms 0.5 %, energy 1e-3. The same bits at any CPU level and in any groups of rows; the bright pass; hard
+ * frames; and what is refused.
  */
 #include "check.h"
 #include "eye.h"
@@ -209,7 +209,7 @@ static void check_formats(void)
         }
 }
 
-/* Ordinary pixels, and a few that must be loaded again: their light is not what they are. */
+/* Ordinary pixels, and a few that must be loaded again, because their light differs from their values. */
 static void check_few_odd(void)
 {
     static const double odd[][4] = {{-0.0, 1, 1, 1},   {1, -2, 1, 1},  {1, 1, NAN, 1},
@@ -240,9 +240,9 @@ static void check_dark(void)
     frame_free(&in);
 }
 
-/* --- what must be so --- */
+/* --- properties --- */
 
-/* The picture of one frame by one lobe, in light. */
+/* The picture of one frame with one lobe, in light. */
 static void draw_small(const frame *in, double sigma, double weight, double threshold, frame *to)
 {
     const pupil_image out = frame_writable(to);
@@ -262,8 +262,8 @@ static void draw_small(const frame *in, double sigma, double weight, double thre
     free(bloom);
 }
 
-/* One lamp anywhere by one lobe of any width: the Gaussian, and light that is moved and not made. Beside the picture of
- * the same without the lamp, whose light is there so that what a lamp takes from a pixel is seen, too. */
+/* One lamp anywhere, with one lobe of any width: the Gaussian, and light that is moved and not made. Compared with the
+ * same picture without the lamp; it has light, so that what the lamp takes from a pixel shows, too. */
 static void check_lobes(void)
 {
     enum { AREA = 220 };
@@ -301,7 +301,7 @@ static void check_lobes(void)
     frame_free(&with);
 }
 
-/* An even frame stays even but at its edges; what is below the threshold stays as it is; black is black. */
+/* An even frame stays even except at its edges; light below the threshold is unchanged; black is black. */
 static void check_even(void)
 {
     frame in = frame_make(301, 203, PUPIL_PIXEL_RGBA32F, 0, 0), to = frame_make(301, 203, PUPIL_PIXEL_RGBA32F, 0, 0);
@@ -330,7 +330,7 @@ static void check_even(void)
 
 enum { FEW_WIDTH = 530, FEW_HEIGHT = 310, FEW_LAMPS = 5 };
 
-/* Its lobes from the first-th on: the narrow ones reach few pixels of the frame, the last one no octave. */
+/* The lobes from number `first` on: the narrow ones reach few pixels, the last one no octave. */
 enum { FEW_NARROW = 3, FEW_NARROWEST = 5 };
 static pupil_bloom_config few_config(double threshold, uint32_t first)
 {
@@ -355,7 +355,7 @@ static void draw_few(pupil_bloom *bloom, const pupil_veil *with, const frame *in
     CHECK(pupil_bloom_map_rows(bloom, with, &pupil, &as_it_is, &in->image, &out, &scratch) == PUPIL_OK);
 }
 
-/* A veil of no light, with which no row is mapped as without bloom. */
+/* A veil without light, so that no row is mapped as without bloom. */
 static const pupil_veil *few_veil(void)
 {
     pupil_veil_config config;
@@ -366,7 +366,7 @@ static const pupil_veil *few_veil(void)
     return &veil;
 }
 
-/* What a frame leaves in the object is not in the next one's picture: lamps elsewhere, none, and lamps again. */
+/* Data that a frame leaves in the object does not show in the next picture: lamps elsewhere, none, and lamps again. */
 static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lobe, const pupil_veil *with)
 {
     const pupil_bloom_config config = few_config(threshold, first_lobe);
@@ -391,7 +391,7 @@ static void check_next_frame(uint32_t pixel, double threshold, uint32_t first_lo
     free(kept);
 }
 
-/* A bright pass, which skips what is dark, scatters what the light above it scatters where nothing is skipped. */
+/* A bright pass, which skips dark rows, scatters the same as its light in a frame where nothing is skipped. */
 static void check_skipped(uint32_t first_lobe)
 {
     const pupil_bloom_config with = few_config(0.5, first_lobe), without = few_config(0.0, first_lobe);

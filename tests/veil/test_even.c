@@ -1,6 +1,6 @@
-/* A veil moves light and makes none: no picture of even light becomes brighter, of whatever shape and angle, and a
- * bloom takes the lobes of each. Over wide angles the flat picture has more room than there is around an eye; in a
- * picture of a few pixels a narrow lobe is higher in their middles than its light is.
+/* A veil moves light and makes none: no evenly lit picture of any shape and angle becomes brighter, and a bloom accepts
+ * the lobes of each. At wide angles a flat picture has more area than the solid angle around an eye; with a few pixels
+ * a narrow lobe is higher in their middles than on average.
  */
 #include "check.h"
 

@@ -1,5 +1,5 @@
-/* Frames with a veil: the same bits by any level of kernels, in any groups of rows; the picture that the formula says;
- * hard frames; and what is refused.
+/* Frames with a veil: the same bits at any CPU level and in any groups of rows; the picture of the formula; hard
+ * frames; and what is refused.
  */
 #include "check.h"
 #include "frames.h"
@@ -41,7 +41,7 @@ static void make_veil(uint32_t width, uint32_t height, uint32_t psf)
     CHECK(pupil_veil_init(&veil, &config) == PUPIL_OK);
 }
 
-/* The rows from `row` on, at most `most` of them, together where the formats want that. */
+/* The rows from `row` on, at most `most` of them, in pairs if the formats need that. */
 static uint32_t rows_from(const frame *in, uint32_t row, uint32_t most)
 {
     const uint32_t left = in->image.height - row, count = 2 * ((most + 1) / 2);
@@ -56,7 +56,7 @@ static void solve(outcome *o)
     CHECK(pupil_veil_get_nodes(&veil, o->nodes) == PUPIL_OK);
 }
 
-/* In groups of up to `group` rows, each with a light of its own, from the last to the first. */
+/* In groups of up to `group` rows, each with its own light, from the last to the first. */
 static void work(const frame *in, uint32_t levels, uint32_t group, uint32_t pixel_out, outcome *o)
 {
     pupil_t pupil;
@@ -139,7 +139,7 @@ static void check_formats(void)
         }
 }
 
-/* Without any light that is moved, the picture is the one without a veil: of each format to each. */
+/* If no light is moved, the picture is the one without a veil, from each format to each. */
 static void check_nothing(void)
 {
     pupil_veil_config config;
@@ -168,7 +168,7 @@ static void check_nothing(void)
         }
 }
 
-/* The picture that is mapped is direct * v + veil, bilinear between the nodes. */
+/* The mapped picture is direct * v + veil, bilinear between the nodes. */
 static void check_picture(void)
 {
     enum { WIDTH = 333, HEIGHT = 77 };
@@ -208,7 +208,7 @@ static void check_picture(void)
     for (size_t k = 0; k < (size_t)4 * WIDTH * HEIGHT; k++) {
         const double a = (double)((const float *)expected.image.data)[k];
         const double off = fabs((double)((const float *)o.to.image.data)[k] - a);
-        most = off > most ? off : most; /* by fmax, gcc 12 for AArch64 crashes at -O3 */
+        most = off > most ? off : most; /* with fmax, gcc 12 for AArch64 crashes at -O3 */
     }
     printf("the picture is the formula's within %.1e of white\n", most);
     CHECK_MSG(most < 3e-6, "%g", most);
@@ -217,8 +217,8 @@ static void check_picture(void)
     frame_free(&o.to);
 }
 
-/* Light is moved, not made: what is gathered of a frame counts as the frame's sum, also of cells of 65536 pixels, of
- * the brightest light, and of what is no light. */
+/* Light is moved, not made: the gathered light is the frame's sum, also with cells of 65536 pixels, with the brightest
+ * light, and with invalid light. */
 static void check_hard(void)
 {
     static outcome a, b;
@@ -256,7 +256,7 @@ static void check_hard(void)
     frame_free(&in);
 }
 
-/* As check_nothing, of pictures of other primaries and of what rods see. */
+/* As check_nothing, for pictures with other primaries and with rods. */
 static void check_pictures(void)
 {
     pupil_veil_config config;

@@ -1,5 +1,5 @@
-/* A lamp of 1 to 8 pixels that moves in fractional steps: its veil moves with it, without steps, and does not come
- * round from the other edge. By the narrowest lobe that the veil has, whose error is the largest.
+/* A lamp of 1 to 8 pixels that moves in fractional steps: its veil moves with it, without steps, and does not wrap
+ * around from the other edge. With the veil's narrowest lobe, whose error is the largest.
  */
 #include "check.h"
 

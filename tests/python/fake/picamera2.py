@@ -1,5 +1,6 @@
-"""What docs/examples/picamera2_loop.py uses of Picamera2, with a simulated sensor: controls act three frames later, and
-the picture is coded as sRGB. $PUPIL_FAKE_LIGHT: the light, which is eight times as strong from frame 60 on."""
+"""The part of Picamera2 that docs/examples/picamera2_loop.py uses, with a simulated sensor: controls act three
+frames later, and the picture is coded as sRGB. $PUPIL_FAKE_LIGHT: the light, which is eight times as strong from
+frame 60 on."""
 import atexit
 import os
 
@@ -67,6 +68,6 @@ class Picamera2:
         return self.last
 
     def report(self):
-        """What of the light the last frame shows: the log-average of its texture is 2^-1."""
+        """The light as shown by the last frame: the log-average of its texture is 2^-1."""
         shown = 0.5 * float(os.environ["PUPIL_FAKE_LIGHT"]) * 8 * self.last.exposure_us * 1e-6 * self.last.gain
         print(f"fake: stopped {self.number < 0}, shown {shown:.4f}")
