@@ -252,8 +252,7 @@ static void check_formulas(uint32_t curve, int kind, double exposure_s, uint32_t
 
 /* --- equalise: equal shares --- */
 
-/* `end`: how many cells are checked. If a ramp does not end at a bin's edge, its last bin is spread over the whole
- * bin. */
+/* `end`: how many cells are checked. If a ramp does not end at a bin's edge, its share is spread over the whole bin. */
 static void check_flat(int logarithmic, double from, int end)
 {
     const uint32_t width = PUPIL_MAX_SIDE_PX;

@@ -297,8 +297,7 @@ static void exact_where_it_must(void)
 
 enum { TALL = 16384 }; /* rows of a frame; only the first are metered; a small frame is metered at every pixel */
 
-/* If all pairs of pixels are alike, here one bright and one dark pixel, so are the sampled ones, and the level is
- * exact. */
+/* If all pairs of pixels are alike, here bright and dark, so are the sampled ones, and the level is exact. */
 static void both_pixels_of_a_pair(uint32_t width)
 {
     frame f = frame_make(width, 64, PUPIL_PIXEL_NV12, 0, 0);

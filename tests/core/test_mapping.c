@@ -8,7 +8,7 @@
 #include <math.h>
 
 static uint64_t codes, off_by_one;
-static double beyond; /* the largest distance from the reference's real-valued code, in codes, less the unavoidable
+static double beyond; /* the largest error against the reference's real-valued code, in codes, less the unavoidable
                        * 0.5 */
 
 static void pixel_codes(const pupil_image *out, uint32_t x, uint32_t y, int code[4])

@@ -91,8 +91,7 @@ static void any_split(uint32_t pixel)
     frame_free(&f);
 }
 
-/* If only a few rows have weight, a frame may meter none of them: then the level is held, and a later frame finds
- * them. */
+/* If only a few rows have weight, a frame may meter none: then the level is held, and a later one meters them. */
 static void few_rows_with_weight(void)
 {
     frame f = frame_make(32, 32, PUPIL_PIXEL_RGB32F, 0, 0), to = frame_make(32, 32, PUPIL_PIXEL_RGB8, 0, 0);

@@ -27,8 +27,7 @@ enum {
     FAKE_MEDIA_CODES_DIFFER
 };
 
-/* All zero except what fake_v4l2_config_default fills in: a webcam without faults. Frames are counted from STREAMON
- * on. */
+/* All zero except what fake_v4l2_config_default fills in: a webcam without faults. Frames count from STREAMON on. */
 typedef struct fake_v4l2_config {
     uint64_t seed;
     double fps; /* of the fastest rate; 30 */

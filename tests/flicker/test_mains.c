@@ -65,7 +65,7 @@ static void begin(camera *c, double exposure_s)
     CHECK(pupil_sensor_init(&c->sensor, &config) == PUPIL_OK);
 }
 
-/* Takes the next frame, with all light changed by this much. */
+/* Takes the next frame, in which all light is `ev` above the usual. */
 static void frame(camera *c, double ev)
 {
     pupil_stats s;

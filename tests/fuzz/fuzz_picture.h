@@ -223,8 +223,7 @@ static inline picture picture_in(uint32_t width, uint32_t height)
     return p;
 }
 
-/* Any output for it, sometimes of half its size if possible; and the codings of both, which live as long as the
- * pictures. */
+/* Any output for it, sometimes of half its size if possible; and the codings of both, which live as long as they. */
 static inline picture picture_out(picture *in)
 {
     static const uint32_t pixel[] = {PUPIL_PIXEL_RGBA8,   PUPIL_PIXEL_RGB8,   PUPIL_PIXEL_BGRX8,   PUPIL_PIXEL_NV12,

@@ -1,5 +1,4 @@
-/* Any text as a line of a recording's frames.jsonl: if it is accepted, it is the same once it is written and read
- * again. */
+/* Any text as a line of a recording's frames.jsonl: an accepted line is the same once written and read again. */
 #include "file/recording/recording_format.h"
 
 #include <stdlib.h>

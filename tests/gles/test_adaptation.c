@@ -14,8 +14,7 @@ typedef struct light {
     pupil_frame_info info;
 } light;
 
-/* The next frame's time and light: mostly ordinary, some late, at the same time, or back in time; steps, ramps,
- * flicker. */
+/* The next frame's time and light: mostly ordinary, some late, simultaneous, or back in time; steps, ramps, flicker. */
 static void move(light *l, unsigned number, double frame_s)
 {
     const double r = check_uniform();

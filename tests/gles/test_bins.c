@@ -9,8 +9,7 @@
 
 static uint64_t moved, counted; /* pixels in another bin; all pixels */
 
-/* A luminance at a bin's edge may fall on the other side: the number of moved pixels is half of the sum of
- * differences. */
+/* A luminance at a bin's edge may fall on the other side: half of the sum of differences has moved. */
 static void compare_bins(const uint64_t *gpu, const uint64_t *cpu, int count, uint64_t weight, const char *what)
 {
     uint64_t off = 0, total = 0;

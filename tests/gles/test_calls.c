@@ -9,7 +9,7 @@
 
 static session s;
 
-/* Functions that no frame may call. The shim provides what lib/gles asks for, and glFinish and the like would be
+/* Functions that no frame may call. The shim provides what lib/gles asks for, and glFinish or the like would be
  * breaches. */
 static void check_promises(const char *what)
 {

@@ -13,8 +13,7 @@ pupil_image picture_make(uint32_t pixel, uint32_t width, uint32_t height, int is
 /* "video/x-raw, format=..." with 30 frames a second. `colorimetry` may be NULL. */
 gchar *caps_text(const char *format, uint32_t width, uint32_t height, const char *colorimetry);
 
-/* A buffer of this format with the picture's samples. `padding`: extra bytes in each row, described by a
- * GstVideoMeta. */
+/* A buffer of this format with the picture's samples. `padding`: extra bytes per row, described by a GstVideoMeta. */
 GstBuffer *buffer_of(const char *format, const pupil_image *picture, uint32_t padding, GstClockTime pts);
 
 /* 1: the buffer's samples are those of the picture, in each plane; the buffer is as these caps say. */

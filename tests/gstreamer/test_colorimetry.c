@@ -168,7 +168,7 @@ static void test_out(void)
 }
 
 /* From what downstream accepts: the input's own if it is open, else the first of a list that a picture can have, else
- * unchanged. */
+ * as is. */
 static void test_fixate(void)
 {
     static const struct {

@@ -130,7 +130,7 @@ static void check_widen(uint32_t n, int add)
     check_guard("widen", n, 2 * end);
 }
 
-/* One channel of a pixel: the part above a threshold, or everything, or what does not scatter. */
+/* No channel, or one channel of one pixel, is above the threshold; alpha and pixels beyond n do not count. */
 static void check_lamps_of_pixels(uint32_t n)
 {
     static float pixels[4 * PUPIL_BLOCK];

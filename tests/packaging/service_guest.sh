@@ -30,8 +30,7 @@ level() {
     awk -v exposure="$("$node" get "$path" "Exposure Time, Absolute")" -v gain="$("$node" get "$path" Gain)" -v light="$1" \
         'BEGIN { print 0.1 * exposure / 100 * gain / 16 * 8 ^ (light - 8) }'
 }
-# The camera's linear light is taken for a display's codes, and may be 2.4 stops of those below the key
-# (tests/vm/uvc_guest.sh).
+# The camera's linear light is taken for a display's codes, and may be 2.4 stops below its key (tests/vm/uvc_guest.sh).
 is_right() { awk -v level="$(level "$1")" 'BEGIN { exit !(level > 0.034 && level < 0.24) }'; }
 status() { property StatusText; }
 kept() { sed -n 2p /var/lib/pupil/video0/exposure; }

@@ -89,7 +89,7 @@ same(raw, raw[:, :80].copy(), "packed rows with padding", pixel="BAYER10P", widt
 odd_planes = tuple(random.integers(0, 256, shape, dtype=np.uint8) for shape in ((5, 7), (3, 4), (3, 4)))
 check.that(picture_of(odd_planes, pixel="I420").shape == (5, 7, 3), "odd sizes as planes")
 
-# 8-bit grey is from a picture file, coded for a display; with a name it is a sensor's
+# 8-bit grey is from a picture file, coded for a display; if its format is named it is a sensor's
 check.that(not np.array_equal(picture_of(codes[:, :, 0]), picture_of(codes[:, :, 0], pixel="GREY8")), "grey is coded")
 same(codes[:, :, 0], np.repeat(codes[:, :, :1], 3, 2), "grey as three channels")
 

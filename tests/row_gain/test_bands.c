@@ -218,7 +218,7 @@ static void check_steps(void)
     rig r = rig_default();
     r.modulation = 0.5;
     const outcome o = run(&r);
-    /* The wave's steepest slope: 2 pi x amplitude x turns per row; the rows of a frame of 1080 are finer by their
+    /* The wave's steepest slope: 2 pi x amplitude x turns per row; rows of a frame of 1080 are finer by their
      * number. */
     printf("from one row's gain to the next at most %.4f EV, %.4f in a frame of 1080 rows\n", o.step,
            o.step * RIG_H / 1080);

@@ -306,8 +306,7 @@ static void check_unknown_settings(void)
     }
 }
 
-/* A white point that begins to follow has no past: there is none before the first frame, and then it is at once that
- * frame's. */
+/* A white point that begins to follow has no past: none before the first frame, then at once that frame's. */
 static void check_white_begins(void)
 {
     pupil_config config;

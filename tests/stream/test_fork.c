@@ -40,8 +40,7 @@ static void same_results(const pupil_t *a, const pupil_t *b)
     CHECK(memcmp(&curve[0], &curve[1], sizeof *curve) == 0);
 }
 
-/* pupil_meter leaves the object in the same state as pupil_process, byte for byte; frames of both kinds may
- * alternate. */
+/* pupil_meter leaves the object in the state of pupil_process, byte for byte; frames of both kinds may alternate. */
 static void check_meter(uint32_t law, uint32_t order, uint32_t pixel)
 {
     static pupil_t processed, metered;

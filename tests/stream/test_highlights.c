@@ -46,8 +46,8 @@ static pupil_exposure first(double highlight_ev, double dark_ev, double lamp_ev,
     return look(&pupil, dark_ev, lamp_ev, lamp_pixels, SECOND);
 }
 
-/* For a lamp on at least 8 % of the frame: how far it is over 4 stops above the log-average, within a bin's eighth of a
- * stop. */
+/* For a lamp on at least 8 % of the frame: how far it is over 4 stops above the log-average, within a bin, an eighth of
+ * a stop. */
 static void check_amount(void)
 {
     for (double above = 3.0; above < 9.0; above += 0.25) {

@@ -1,6 +1,5 @@
 #!/bin/sh
-# rooms.sh [BUILD]: rooms.py's rules of which file needs which, for this tree; first a test that it finds planted
-# faults.
+# rooms.sh [BUILD]: rooms.py's rules of which file needs which, for this tree; first, that it finds planted faults.
 set -eu
 cd "$(dirname "$0")/../.."
 command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }

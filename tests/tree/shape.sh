@@ -1,5 +1,5 @@
 #!/bin/sh
-# shape.sh: shape.py's rules for functions, for the product's C; first a test that it finds planted faults.
+# shape.sh: shape.py's rules for functions, for the product's C; first, that it finds planted faults.
 set -eu
 cd "$(dirname "$0")/../.."
 command -v python3 >/dev/null || { echo "skipped: no python3"; exit 77; }

@@ -1,6 +1,5 @@
 #!/bin/sh
-# style.sh: every C and C++ file in git follows .clang-format, and no line of these, CMake or Python is over 120
-# characters.
+# style.sh: C and C++ files in git follow .clang-format; no line of these, CMake or Python is over 120 characters.
 set -eu
 cd "$(dirname "$0")/../.."
 status=0

@@ -239,7 +239,7 @@ def figures(root, pages):
     for file in files_of(root):
         name = file.relative_to(root).as_posix()
         if name in ("lib/include/pupil/sensor.h", "docs/glossary.md"):
-            continue  # the sensor's header is another document; the glossary has the words
+            continue  # the sensor's header is treated separately; the glossary has the words
         if not name.endswith((".c", ".h", ".cpp", ".hpp", ".md")) and not re.search(r"\.\d$", name):
             continue
         room = name if pages and name.endswith((".md", ".1")) else room_of(name)

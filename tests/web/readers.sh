@@ -1,6 +1,5 @@
 #!/bin/sh
-# readers.sh BUILD: readers.js with files of all formats, and with those of $PUPIL_SHARED, or ../shared next to the
-# checkout.
+# readers.sh BUILD: readers.js with files of all formats, and those of $PUPIL_SHARED, or ../shared next to the checkout.
 set -eu
 build=$1
 folder=$(cd "$(dirname "$0")" && pwd)

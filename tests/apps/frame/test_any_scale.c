@@ -185,7 +185,7 @@ static void check_noise(void)
     }
 }
 
-/* Light is not taken for noise: colours beyond the gamut, with a negative channel; a black frame around a picture; one
+/* Light is not taken for noise: colours beyond the gamut, with a negative channel; a black frame around a picture; a
  * pure lamp.
  */
 static void check_no_noise(void)

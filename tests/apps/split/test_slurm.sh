@@ -80,8 +80,7 @@ grep -q "is of another input or other settings" said || fail "other ranges: $(ca
 sh "$examples/slurm.sh" "it's; 100%.mkv" 300 -1 bad >said 2>&1 && fail "-1 ranges: not refused"
 grep -q "RANGES must be" said || fail "-1 ranges: $(cat said)"
 
-# A killed task leaves nothing unfinished; jobs that depend on it never start, and the next submission continues from
-# there.
+# A killed task leaves nothing unfinished; jobs that depend on it never start, and the next submission continues.
 cat >once <<END
 #!/bin/sh
 [ -e "$room/killed" ] || case "\$*" in *" meter "*|"meter "*100..*)

@@ -99,8 +99,7 @@ static inline int read_exact(pupil_still_reader *reader, pupil_still *still, con
         pupil_still_free(&refused);                                                                                    \
     } while (0)
 
-/* The file cut off anywhere, and with bytes changed anywhere: a clean answer each time, and a sentence if it is
- * refused. */
+/* The file cut off anywhere, and with bytes changed anywhere: a clean answer each time, with a sentence if refused. */
 static inline void check_damage(pupil_still_reader *reader, const uint8_t *data, size_t size, int rounds)
 {
     uint8_t *damaged = malloc(size);

@@ -1,5 +1,4 @@
-/* Frames of MJPG: every sample is as it was written, in every sampling and at difficult sizes; damaged frames are
- * refused. */
+/* Frames of MJPG: every sample is as written, in every sampling and at difficult sizes; damaged frames are refused. */
 #include "check.h"
 #include "write_jpeg.h"
 

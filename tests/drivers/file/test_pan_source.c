@@ -1,5 +1,4 @@
-/* A camera in a panorama: resampling preserves light, edges and poles are not visible, the path goes where it
- * should. */
+/* A camera in a panorama: resampling preserves light, edges and poles are invisible, the path goes where it should. */
 #include "scratch.h"
 
 #include "file/pan/pan_path.h"

@@ -273,8 +273,7 @@ static pid_t begin_in_child(const char *path, int is_folder, int is_killed)
     return child;
 }
 
-/* Leftovers of a killed run are removed when the same output is begun; those of a live run or of other names are
- * not. */
+/* Leftovers of a killed run are removed when the same output is begun; not those of a live run or of other names. */
 static void test_swept(void)
 {
     for (int is_folder = 0; is_folder <= 1; is_folder++) {
@@ -309,7 +308,7 @@ static void test_swept(void)
     }
 }
 
-/* A stream writes into the file that was created, even if its name now belongs to another; that one is not put in
+/* A stream writes into the file that it created, even if another file has its name now; that one is not put in
  * place. */
 static void test_stream(void)
 {

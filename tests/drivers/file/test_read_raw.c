@@ -41,8 +41,7 @@ static const float *pixel(const pupil_still *s, uint32_t x, uint32_t y)
     return (const float *)s->pixels + ((size_t)y * s->width + x) * 3;
 }
 
-/* Four patches of grey, of a mosaic whose sensor sees half of the red and 0.8 of the blue: black, 0.25, 0.5 and
- * white. */
+/* Four patches of grey, of a mosaic whose sensor sees half of red and 0.8 of blue: black, 0.25, 0.5 and white. */
 static void test_grey(int is_linear)
 {
     static const uint32_t neutral[3] = {500, 1000, 800};

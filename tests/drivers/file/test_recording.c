@@ -89,7 +89,7 @@ static void test_large(void)
     frames_free(&frames);
 }
 
-/* So does the number of a frame; no test can record that many. */
+/* The number of a frame is also exact; no test can record that many. */
 static void test_large_frame(void)
 {
     static const uint64_t numbers[] = {0, (UINT64_C(1) << 53) - 1, UINT64_C(1) << 53, (UINT64_C(1) << 53) + 1,
@@ -353,8 +353,7 @@ static void test_knees(void)
     frames_free(&frames);
 }
 
-/* White balance that follows the frames: each has its own; frames with the first one's balance have none in their
- * line. */
+/* White balance that follows the frames: each has its own; with the first one's balance there is none in the line. */
 static void test_balance(void)
 {
     test_frames frames;

@@ -13,7 +13,7 @@ static pupil_why why;
 /* write() of all linked code, wrapped by the linker (tests/CMakeLists.txt). */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t moved = PTHREAD_COND_INITIALIZER;
-static int hangs, hanging; /* whether the disk hangs; a write waits for its end */
+static int hangs, hanging; /* the disk hangs; a write waits for it */
 
 ssize_t __real_write(int fd, const void *bytes, size_t count);
 ssize_t __wrap_write(int fd, const void *bytes, size_t count);

@@ -31,8 +31,7 @@ static const kind kinds[] = {{"PQ", AV_PIX_FMT_YUV420P10, PUPIL_PIXEL_I420_10, P
                              {"SDR of 8 bits", AV_PIX_FMT_YUV420P, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12,
                               PUPIL_MATRIX_BT709, PUPIL_LIGHT_SRGB, AVCOL_SPC_BT709, AVCOL_TRC_BT709, 2e-4}};
 
-/* In frames 0 to 4 luma has all codes of a part of its range, and chroma is constant; from 5 on chroma rises along
- * x. */
+/* In frames 0 to 4 luma has all codes of a part of its range, chroma is constant; from 5 on chroma rises along x. */
 #define FRAMES 7
 static int code_of(const clip *c, int frame, int component, int x, int y)
 {

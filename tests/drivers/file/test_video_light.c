@@ -85,8 +85,7 @@ static real signal_slack(const clip *c)
     return !is_coded(c) ? 0.51L : c->range == AVCOL_RANGE_MPEG ? 1e-3L : 0.5L + 0.5L * 1.8814L + 0.01L;
 }
 
-/* The expected value of a frame of constant codes, in Rec.709 or as PQ and HLG in its own primaries, and the
- * tolerance. */
+/* The expected value of a frame of constant codes, in Rec.709 or as PQ and HLG in its own primaries; the tolerance. */
 static void expected(const clip *c, const int code[3], real (*light)(real), real want[3], real slack[3])
 {
     const AVPixFmtDescriptor *d = av_pix_fmt_desc_get(c->format);

@@ -141,8 +141,7 @@ static void test_slow_programs(void)
     }
 }
 
-/* More refusals than there are requests: each refusal loses one, which is queued again, and the setting is asked for
- * again. */
+/* More refusals than there are requests: each loses one, which is queued again, and the setting is asked for again. */
 static void test_refused(void)
 {
     for (int sensor = 0; sensor < 2; sensor++) {

@@ -214,8 +214,7 @@ static int says_stop(void)
     return 1;
 }
 
-/* A write that does not end in time: frames continue, the run ends, and the controls are restored once the write is
- * over.
+/* A write that does not end in time: frames continue, the run ends, and controls are restored after the write.
  */
 static void test_hang(void)
 {

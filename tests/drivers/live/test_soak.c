@@ -143,8 +143,7 @@ static void check_counts(const pupil_frame *frame)
     day.left_out = left_out;
 }
 
-/* After a quiet stretch the level is that of a fresh pupil, the sensor rests, and its estimate of the light is the
- * fake's. */
+/* After a quiet stretch the level is that of a fresh pupil, the sensor rests, and its light is the fake's. */
 static void check_rest(const pupil_frame *frame, const pupil_image *out, const pupil_sensor_setting *s)
 {
     const fake_v4l2_held held = fake_v4l2_holds(day.fake);

@@ -103,7 +103,7 @@ static double metered_ev(const pupil_frame *frame)
     return exposure.metered_ev;
 }
 
-/* Some frames of a format. Codes are rounded to the format's bits, so the mean of their logarithms is only near the
+/* Some frames of a format. Codes are rounded to the format's bits, so the mean of their logarithms is near the
  * light's. */
 static void check_format(const fake_v4l2_config *config, uint32_t fourcc, double tolerance_ev)
 {

@@ -1,5 +1,4 @@
-/* An MJPG camera: its frames decoded and in their coded form, those that cannot be decoded, and which format is
- * chosen. */
+/* An MJPG camera: its frames decoded and in their coded form, undecodable ones, and which format is chosen. */
 #include "fake_source.h"
 
 #include <linux/videodev2.h>

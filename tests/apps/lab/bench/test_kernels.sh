@@ -139,8 +139,8 @@ if command -v gnuplot >/dev/null; then
     awk '/^luma|^to NV12, luma/ { seen++; wrong += !($(NF - 1) > 0.01 && $(NF - 1) < 1) }
         !/luma/ && /(NV12|10-bit mosaic), a whole frame/ { seen++; wrong += !($(NF - 1) < 0.001 && $NF <= 1) }
         END { exit wrong || seen != 9 }' choices.txt || fail "frames of cameras: $(cat choices.txt)"
-    # fewer rows give larger errors, above all with stripes; but every frame meters some of each (a fixed choice would
-    # be 3.5 off)
+    # fewer rows give larger errors, above all with stripes; but some of each are in every frame (a fixed choice: 3.5
+    # off)
     awk '/^every row/ { ok = $(NF - 1) == 0 }
         /^1.8 of the rows  / { natural = $(NF - 1) }
         /^1.8 of the rows, striped/ { exit !(ok && natural > 0 && $(NF - 1) > natural && $(NF - 1) < 3) }' choices.txt ||

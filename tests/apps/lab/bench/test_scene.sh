@@ -45,8 +45,7 @@ expect 1 "its camera moves" bench scene moves.scene --size 8x8
 grep -v '^lamp' small.scene >dark.scene
 expect 1 "no light" bench scene dark.scene --size 8x8
 
-# Ctrl-C while it renders: a quick end, nothing on standard output. A background job of sh ignores SIGINT, but not
-# SIGTERM.
+# Ctrl-C while it renders: a quick end, nothing on standard output. A background job of sh ignores SIGINT, not SIGTERM.
 "$program" bench scene small.scene --size 4000x4000 >said.out 2>said.err &
 sleep 0.5
 kill -TERM $!

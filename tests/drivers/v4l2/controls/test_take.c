@@ -1,5 +1,4 @@
-/* Taking over a camera, setting its controls in the right order, giving it back: also if any call of the driver
- * fails. */
+/* Taking over a camera, setting its controls in the right order, giving it back: also if any driver call fails. */
 #include <errno.h>
 #include <math.h>
 #include <unistd.h>
