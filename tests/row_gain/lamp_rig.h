@@ -44,7 +44,7 @@ static rig rig_default(void)
 
 static float rig_wall[RIG_WALL][RIG_WALL]; /* log2, with deviation 1; wraps around */
 
-/* Noise of several sizes, each with half the amplitude. */
+/* Noise of several sizes, equally strong in each. */
 static void rig_make_wall(void)
 {
     double sum = 0, squares = 0;
