@@ -1,5 +1,5 @@
-# lib.sh: what the shell tests of the program share. A test sources it, and from then on works in a folder of its own,
-# which is removed at the end. A failure is counted and the test goes on; the last line of a test is end_test. Processes
+# lib.sh: shared by the shell tests of the program. A test sources it, and from then on works in its own folder, which
+# is removed at the end. A failure is counted and the test continues; the last line of a test is end_test. Processes
 # that a test leaves in the background are killed with it if their ids are in $running.
 room=$(mktemp -d) || exit 1
 running=

@@ -37,7 +37,7 @@ static const struct format {
     {"grey16", PUPIL_PIXEL_GREY16, 1, WORDS, 16, 0},    {"bayer8", PUPIL_PIXEL_BAYER8, 1, BYTES, 8, 0},
     {"bayer10", PUPIL_PIXEL_BAYER10, 1, WORDS, 10, 0},  {"bayer12", PUPIL_PIXEL_BAYER12, 1, WORDS, 12, 0},
     {"bayer14", PUPIL_PIXEL_BAYER14, 1, WORDS, 14, 0},  {"bayer16", PUPIL_PIXEL_BAYER16, 1, WORDS, 16, 0},
-    {"bayer10p", PUPIL_PIXEL_BAYER10P, 1, BYTES, 8, 0}, /* whose bytes may be any */
+    {"bayer10p", PUPIL_PIXEL_BAYER10P, 1, BYTES, 8, 0}, /* any bytes are valid */
     {"bayer12p", PUPIL_PIXEL_BAYER12P, 1, BYTES, 8, 0}, {"i420", PUPIL_PIXEL_I420, 1, BYTES, 8, 0},
     {"nv21", PUPIL_PIXEL_NV21, 1, BYTES, 8, 0},         {"nv16", PUPIL_PIXEL_NV16, 1, BYTES, 8, 0},
     {"uyvy", PUPIL_PIXEL_UYVY, 2, BYTES, 8, 0},         {"bgr8", PUPIL_PIXEL_BGR8, 3, BYTES, 8, 0},

@@ -164,7 +164,7 @@ class Sweep:
         try:
             said = "\n".join(line for line in said.splitlines() if not line.startswith("fake: "))
             now = contents(folder, outputs)
-            stray = [p.name for p in folder.rglob(".*") if p.name not in said]  # files that the sentence names are expected
+            stray = [p.name for p in folder.rglob(".*") if p.name not in said]  # named files are expected
             if status == "does not end" or status < 0 or status in (132, 134, 135, 136, 139):
                 return f"ends by a signal or not at all ({status}): {said}"
             if status == 99 and CASES[name][0] == "fake":

@@ -107,8 +107,8 @@ static void compare_pictures(gl_test *test, pupil_gles *gles, const pupil_t *pup
 }
 
 /* Meters and maps one frame both ways and checks everything that must be equal: numbers of pixels, weights, totals of
- * the histogram, counts of odd pixels; one code at most. The figures are judged by same_judge. `what` is for messages.
- * Returns 0 if the GPU refuses the object (config.h: no histogram in ES 3.0), and checks that it should. */
+ * the histogram, counts of odd pixels; one code at most. same_judge checks the figures. `what` is for messages. Returns
+ * 0 if the GPU refuses the object (config.h: no histogram in ES 3.0), and checks that it should. */
 static int same_frame(gl_test *test, const pupil_image_const *image, const pupil_config *config, same_figures *figures,
                       const char *what)
 {

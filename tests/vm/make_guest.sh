@@ -24,7 +24,7 @@ for tool in apt-get cpio depmod flock modprobe xz; do
     command -v $tool >/dev/null || skip "no $tool: the packages are listed in test.sh"
 done
 exec 9>"$folder/lock"
-flock 9 # tests run beside each other
+flock 9 # tests run in parallel
 
 # The guest exists and was made by these scripts; for how many days it is used unchanged.
 is_made() {

@@ -205,7 +205,7 @@ static double walk(unsigned long frames)
     }
     state = state * 1664525u + 1013904223u; /* Numerical Recipes' quick generator */
     ev += amount * (2.0 * (state >> 8) / 16777216.0 - 1.0);
-    ev = fmin(fmax(ev, -1.5), 1.5); /* nobody leaves the room */
+    ev = fmin(fmax(ev, -1.5), 1.5); /* no person leaves the room */
     return exp2(ev);
 }
 

@@ -25,7 +25,7 @@ for still in in/*; do
     name=${still##*/}
     [ "$(sides "out/${name%.*}.png")" = "$(sides "$still")" ] || fail "$name: $(sides "out/${name%.*}.png") pixels"
 done
-for size in 40x30 33x17; do # the same picture, whichever format it was in
+for size in 40x30 33x17; do # the same picture, in every format
     [ "$(likeness out/png-$size.png out/tif-$size.png)" -ge 45 ] || fail "$size: TIFF and PNG differ: $(likeness out/png-$size.png out/tif-$size.png) dB"
     [ "$(likeness out/png-$size.png out/jpg-$size.png)" -ge 25 ] || fail "$size: JPEG and PNG differ"
 done

@@ -47,7 +47,7 @@ static void await_hang(void)
     pthread_mutex_unlock(&lock);
 }
 
-static int asked, patience; /* times that nobody gives up, of a wait */
+static int asked, patience; /* how often give_up says no, during a wait */
 
 static int give_up(void)
 {

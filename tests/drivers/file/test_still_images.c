@@ -92,7 +92,7 @@ static void test_compressions(const char *shared)
     }
 }
 
-/* All half codes lie in this file, each as often as any other. */
+/* All half codes are in this file, each as often as any other. */
 static void test_all_halfs(const char *shared)
 {
     const float *rgb;

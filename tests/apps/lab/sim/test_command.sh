@@ -43,8 +43,8 @@ tail -1 lamp.jsonl | grep -q '"band_ev":0.0[01]' || fail "bands with the mains t
 "$program" sim --key-at -1:0.05,5.5:0.18 --light '2s step -4ev' --json >said.out
 grep -q '"settle_frames":5,"overshoot_ev":0.0000[0-9]*,"aim_ev":-\?0.00' said.out || fail "--key-at: $(cat said.out)"
 
-# cameras with which the loop of before stood wrong
-# A wall in light that moves as fast as the loop follows: its level is where it was, and is not white.
+# cameras with which the previous loop ended wrong
+# A wall in light that moves as fast as the loop follows: its level stays, and is not white.
 "$program" sim -q --check --delay 4 \
     --camera "seed=18653,fps=9.92030184,readout=0ms,line=62.9999466us,shortest=188.99984us,\
 longest=100.803384ms,gain=14.1996488,law=third,delay=1/4,size=16x32,black=256,\

@@ -86,7 +86,7 @@ static void check_uvc(void)
     CHECK_MSG(camera && fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_SHUTTER_PRIORITY, "%s", why.text);
     pupil_camera_get_limits(camera, &l);
     CHECK(!l.has_gain && l.gain_min == 1 && l.gain_max == 1);
-    fake.control[0].value = 3; /* STREAMON set it anew */
+    fake.control[0].value = 3; /* STREAMON has set it again */
     wait_for(camera, pupil_camera_reapply(camera));
     CHECK(fake_value(&fake, V4L2_CID_EXPOSURE_AUTO) == V4L2_EXPOSURE_SHUTTER_PRIORITY);
     pupil_camera_restore(camera); /* from a signal's handler */
