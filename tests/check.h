@@ -99,8 +99,8 @@ static inline double check_uniform(void) /* in [0, 1) */
 #define CHECK_SANITIZED 0
 #endif
 
-/* How many cases of a sweep are run: a fifth under the sanitizers, where each takes several times as long. Few cases
- * show a wrong access or an invalid value as well as many do; only the figures need them all. */
+/* How many of a sweep's cases run: a fifth with the sanitizers, because each takes several times as long. A wrong
+ * access or an invalid value shows in few cases as well as in many. The figures are for all cases. */
 static inline int check_some(int cases)
 {
     return CHECK_SANITIZED ? (cases + 4) / 5 : cases;

@@ -1,6 +1,5 @@
-/* tests/frames.h: frames to meter and map, easy and hard ones. Random numbers come from a function that the program
- * passes, so that each program has one stream of them (check.h).
- */
+/* tests/frames.h: frames to meter and map, the easy ones and the hard ones. Random numbers come from check.h, through a
+ * function that the program passes (a program has one stream of them). */
 #ifndef PUPIL_TESTS_FRAMES_H
 #define PUPIL_TESTS_FRAMES_H
 
@@ -10,11 +9,11 @@
 
 typedef struct frame {
     pupil_image_const image;
-    unsigned char *memory;        /* with 64 guard bytes on each side */
-    size_t bytes;                 /* of the memory, with guards */
-    unsigned char *chroma_memory; /* of the second plane, the same; NULL: none */
+    unsigned char *memory;        /* with 64 bytes of guard before and after */
+    size_t bytes;                 /* of the memory, guards and all */
+    unsigned char *chroma_memory; /* of the second plane, likewise; NULL: none */
     unsigned char *cr_memory;     /* of the third */
-    size_t chroma_bytes;          /* of each of the two */
+    size_t chroma_bytes;          /* of each of these two */
 } frame;
 
 typedef double frame_random(void); /* in [0, 1) */
@@ -39,7 +38,7 @@ int frame_equal(const frame *a, const frame *b);
 int frame_guards_intact(const frame *f);
 
 /* Stores a colour: clamped and rounded in integer formats, sRGB-encoded in 8 bit, rounded to nearest in half. Y'CbCr,
- * grey and mosaics hold less than a colour per pixel: they get a value that rises and falls with it. */
+ * grey and mosaics, which hold less than a colour per pixel, get a value that rises and falls with it. */
 void frame_set(frame *f, uint32_t x, uint32_t y, double r, double g, double b, double a);
 void frame_fill(frame *f, double r, double g, double b);
 

@@ -1,15 +1,15 @@
-/* tests/reference.h: what the headers say, computed slowly in long double, as an independent reference for the library.
- * It shares only the public headers with the library. The program has its own, faster reference for mapping
- * (apps/report/verify.c); both share the code that reads pixels.
+/* tests/reference.h: the headers' definitions, computed slowly in long double, as an independent reference for the
+ * library. It shares only the public headers with the library. The program has its own, faster reference for mapping
+ * (apps/report/verify.c); how pixels are read is written once for both.
  */
 #ifndef PUPIL_TESTS_REFERENCE_H
 #define PUPIL_TESTS_REFERENCE_H
 
 #include "pupil/pupil.h"
 
-#define REF_TOP 0x1p30L /* the largest luminance, stats.h */
+#define REF_TOP 0x1p30L /* the largest value of a luminance, stats.h */
 
-/* apps/common/pixel_light.h, correct to the nearest double: linear light of one pixel, or of a mosaic's quad. */
+/* Linear light of one pixel, or of a mosaic's quad, from apps/common/pixel_light.h, so to the nearest double. */
 void ref_light(const pupil_image_const *image, uint32_t x, uint32_t y, int quad, long double rgba[4]);
 
 /* Converts light to config.output_primaries; config.h. 0: they are the input's. */
@@ -61,7 +61,7 @@ void ref_map(const pupil_config *config, const pupil_curve *curve, const long do
 /* Alpha as an unrounded code. */
 long double ref_alpha(const long double rgba[4]);
 
-/* Statistics of a frame of one pixel whose log2 luminance is `ev` rounded down to a multiple of 2^-40; returns that
+/* Statistics of a frame of one pixel whose log2 luminance is ev, rounded down to the 2^-40 grid; returns the rounded
  * value. */
 double ref_stats_at(double ev, int histogram, pupil_stats *stats);
 

@@ -1,12 +1,12 @@
-/* tests/resident.h: the process's resident memory, for tests of growth. */
+/* tests/resident.h: the memory of the process, for tests of growth. */
 #ifndef PUPIL_TESTS_RESIDENT_H
 #define PUPIL_TESTS_RESIDENT_H
 
 #include <stdio.h>
 
-/* Heap, stacks and shared memory. Not counted: pages of files, which are loaded 64 KiB at a time when a library's
- * function first runs. From smaps_rollup, which counts pages; the totals of statm and status are sums of per-processor
- * counters since Linux 6.2 and lag behind. -1: the system does not say. */
+/* Heap, stacks and shared memory, without pages of files, of which 64 KiB are loaded whenever a library function first
+   runs. From smaps_rollup, which counts pages; the totals of statm and status are sums of per-processor counters since
+   Linux 6.2 and lag behind. -1: the system does not say. */
 static inline long resident_kib(void)
 {
     char line[256];

@@ -26,7 +26,7 @@ static inline void scratch_begin(void)
     }
 }
 
-/* The path of a name in the folder; valid to the end of the program. */
+/* The path of a name in the folder; valid until the program ends. */
 static inline const char *scratch(const char *name)
 {
     static char paths[64][1024];
@@ -52,7 +52,7 @@ static inline void scratch_clear(const char *path)
     nftw(path, scratch_remove, 16, FTW_DEPTH | FTW_PHYS);
 }
 
-/* How many entries a folder has, hidden ones included; -1 if it does not exist. */
+/* How many entries a folder has, hidden ones too; -1: there is no folder. */
 static inline int scratch_entries(const char *path)
 {
     DIR *folder = opendir(path);
@@ -100,7 +100,7 @@ static inline void scratch_limit(unsigned long bytes)
     setrlimit(RLIMIT_FSIZE, &limit);
 }
 
-/* A malloc'ed RGB8 image, bottom-up in memory if asked, with a few bytes between rows. */
+/* A malloc'ed RGB8 image, bottom-up in memory if asked, with a few bytes between the rows. */
 static inline pupil_image scratch_image(uint32_t width, uint32_t height, int bottom_up, uint8_t **memory)
 {
     pupil_image image = {.width = width, .height = height, .pixel = PUPIL_PIXEL_RGB8};
@@ -123,7 +123,7 @@ static inline void scratch_noise(const pupil_image *image)
             scratch_pixel(image, 0, y)[x] = (uint8_t)check_random();
 }
 
-/* Smooth, strongly coloured, different at each side; moves with n. */
+/* Smooth, strongly coloured, with four different edges; moves with n. */
 static inline void scratch_waves(const pupil_image *image, int n)
 {
     for (uint32_t y = 0; y < image->height; y++)
@@ -135,7 +135,7 @@ static inline void scratch_waves(const pupil_image *image, int n)
         }
 }
 
-/* A call that fails with a sentence (`why`) that begins with the path and contains the word. */
+/* Checks that a call fails, with a sentence (`why`) that begins with the path and has the word. */
 #define CHECK_REFUSED_AT(call, path, word)                                                                             \
     do {                                                                                                               \
         why.text[0] = 0;                                                                                               \
