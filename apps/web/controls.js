@@ -14,10 +14,10 @@ const SLIDERS = [
     { name: "frame_weight", label: "Weight of a frame, formulas", unit: "", ...WEIGHTS, start: 0.05, digits: 3 },
     { name: "ev_min", label: "Lowest level", unit: "EV", least: -16, most: 0, step: 0.5, start: -16, digits: 1 },
     { name: "ev_max", label: "Highest level", unit: "EV", least: 0, most: 16, step: 0.5, start: 16, digits: 1 },
-    { name: "highlight_ev", label: "Darker for highlights, at most", unit: "EV", least: 0, most: 8, step: 0.5, start: 2, digits: 1 },
-    { name: "white_quantile", label: "Light up to white", unit: "%", least: 90, most: 100, step: 0.1, start: 99.5, digits: 1,
+    { name: "highlight_ev", label: "Highlights darken by at most", unit: "EV", least: 0, most: 8, step: 0.5, start: 2, digits: 1 },
+    { name: "white_quantile", label: "Shown below white", unit: "%", least: 90, most: 100, step: 0.1, start: 99.5, digits: 1,
         of: (v) => v / 100 },
-    { name: "eye_unit_cd_m2", label: "The eye: light 1 is", unit: "cd/m²", ...UNITS, start: 100, digits: 1 },
+    { name: "eye_unit_cd_m2", label: "The eye: light of 1 is", unit: "cd/m²", ...UNITS, start: 100, digits: 1 },
 ];
 const CHOICES = [
     { name: "metering", label: "Metering", options: ["all of it", "centre", "spot"], start: 0 },

@@ -1,6 +1,6 @@
 /* tests/nth_call/nth_call.h: makes the n-th call fail that the drivers make to the C library or to a library for files.
  *
- * The linker replaces functions by those of the same name in nth_libc.c, nth_media.c and nth_egl.c (CMakeLists.txt),
+ * The linker replaces functions by those of the same name in nth_libc.c and nth_media.c (CMakeLists.txt),
  * for statically linked code: the drivers, the test. Calls within shared libraries are not counted. Freeing and closing
  * still happen, and then report failure.
  */

@@ -41,7 +41,7 @@ typedef struct random_run {
     const sim_options *options;
     uint64_t first, named; /* counted from the first seed */
     size_t count;
-    pthread_mutex_t lock; /* of these four */
+    pthread_mutex_t lock; /* of the progress and the three counts */
     progress progress;
     uint64_t done, frames, failed;
     sim_fault_table table;

@@ -236,7 +236,7 @@ static void test_load(void)
     CHECK(pupil_still_load(&still, "/dev/null", &said) == -1 && strstr(said.text, "not a regular file"));
     CHECK(pupil_still_load(&still, scratch("none.exr"), &said) == -1 &&
           strstr(said.text, "none.exr: cannot be opened: No such file"));
-    /* Old runs, ten bytes a line: 8192 x 8192 pixels of 98 KB, which are read where they are asked for. */
+    /* Old runs, twelve bytes a line: a file of 98 KB that claims 8192 x 8192 pixels. */
     static uint8_t flat[64 + 8192 * 12];
     size_t flat_bytes = (size_t)snprintf((char *)flat, 64, "#?RADIANCE\n\n-Y 8192 +X 8192\n");
     for (int line = 0; line < 8192; line++) {
