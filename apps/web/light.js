@@ -56,6 +56,12 @@ function matrixToRec709(xy) {
     return matrix.some((v, i) => Math.abs(v - (i % 4 === 0 ? 1 : 0)) > 4e-3) ? matrix.map(Math.fround) : null;
 }
 
+// The same of an OpenEXR file, as drivers/file/still/read_exr.c: the axes of XYZ as primaries are CIE XYZ under D65.
+function matrixOfExr(xy) {
+    const areAxes = xy?.every((v, i) => Math.abs(v - [1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3][i]) < 1e-3);
+    return areAxes ? inverted(rgbToXyz(REC709)).map(Math.fround) : matrixToRec709(xy);
+}
+
 function convertTo709(rgb, matrix) {
     const f = Math.fround, m = matrix;
     for (let i = 0; m && i < rgb.length; i += 3) {

@@ -245,6 +245,6 @@ async function readExr(bytes) {
     if (seen.size !== count)
         throw damagedExr("a chunk is there twice, and another one is missing");
     if (which[0] !== which[1])
-        convertTo709(data, matrixToRec709(header.chromaticities));
+        convertTo709(data, matrixOfExr(header.chromaticities));
     return { width: size.width, height: size.height, pixel: PIXEL.RGB32F, data };
 }

@@ -40,6 +40,8 @@ function headerOfRadiance(text) {
             throw new Error(`FORMAT is "${value.slice(0, 60)}"; 32-bit_rle_rgbe and 32-bit_rle_xyze are read`);
         else if (name === "FORMAT" && value.startsWith("32-bit_rle_xyze"))
             header.xy = [1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3];
+        else if (name === "EXPOSURE" && value && numbers[0] === 0)
+            continue; // unknown
         else if (name === "EXPOSURE" || name === "COLORCORR")
             header.divide = header.divide.map((d, c) => d * numbers[name === "EXPOSURE" ? 0 : c]);
         else if (name === "PRIMARIES" && numbers.length >= 8)

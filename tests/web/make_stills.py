@@ -25,8 +25,22 @@ def rgbe(pixel):
 
 
 def radiance(path, pixels):
-    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\n\n-Y %d +X %d\n" % (HEIGHT, WIDTH)
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\nEXPOSURE=0\n\n-Y %d +X %d\n" % (HEIGHT, WIDTH)
     path.write_bytes(head + b"".join(rgbe(p) for row in pixels for p in row))
+
+
+def with_axes_of_xyz(path, to):
+    """A scanline OpenEXR file with chromaticities: as the first attribute, and each chunk is so much further on."""
+    old = path.read_bytes()
+    new = b"chromaticities\0chromaticities\0" + struct.pack("<i8f", 32, 1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3)
+    at = 8
+    while old[at]:  # name, type, size, value
+        at = old.index(b"\0", old.index(b"\0", at) + 1) + 1
+        at += 4 + struct.unpack_from("<i", old, at)[0]
+    first = struct.unpack_from("<Q", old, at + 1)[0]
+    table = struct.unpack_from(f"<{(first - at - 1) // 8}Q", old, at + 1)
+    table = struct.pack(f"<{len(table)}Q", *(t + len(new) for t in table))
+    to.write_bytes(old[:8] + new + old[8:at + 1] + table + old[first:])
 
 
 def main():
@@ -39,6 +53,7 @@ def main():
                           ("zip16", ["-compression", "zip16"]), ("half", ["-compression", "zip16", "-format", "half"]),
                           ("none", ["-compression", "none"])):
         subprocess.run([*convert, *options, str(folder / f"{name}.exr")], check=True)
+    with_axes_of_xyz(folder / "zip1.exr", folder / "xyz.exr")
     for name, kind in (("rgb48", "rgb48be"), ("rgba64", "rgba64be"), ("grey16", "gray16be"), ("rgb24", "rgb24")):
         subprocess.run([*convert, "-pix_fmt", kind, str(folder / f"{name}.png")], check=True)
 

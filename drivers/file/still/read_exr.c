@@ -3,6 +3,7 @@
 #include "read_exr.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -172,18 +173,31 @@ static int check_layout(exr_plan *plan)
     return 0;
 }
 
+/* Whether R, G and B are X, Y and Z. Their white of equal energy is then that of the axes and not of the scene, so they
+ * are taken as channels of these names are: the OpenEXR project's XYZ.exr is its Rec709.exr only so. */
+static int are_axes_of_xyz(const pupil_chromaticities *given)
+{
+    static const double axes[8] = {1, 0, 0, 1, 0, 0, 1. / 3, 1. / 3};
+    for (int i = 0; i < 8; i++)
+        if (!(fabs(given->xy[i] - axes[i]) < 1e-3))
+            return 0;
+    return 1;
+}
+
 static void read_colour(exr_plan *plan)
 {
     exr_attr_chromaticities_t c;
-    pupil_chromaticities given;
     if (plan->kind == EXR_KIND_XYZ) {
         pupil_still_colour_from_xyz(&plan->colour);
     } else if (exr_attr_get_chromaticities(plan->file, plan->part, "chromaticities", &c) != EXR_ERR_SUCCESS) {
         pupil_still_colour_from(NULL, &plan->colour);
     } else {
-        const double xy[8] = {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y};
-        memcpy(given.xy, xy, sizeof xy);
-        pupil_still_colour_from(&given, &plan->colour);
+        const pupil_chromaticities given = {
+            {c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y, c.white_x, c.white_y}};
+        if (are_axes_of_xyz(&given))
+            pupil_still_colour_from_xyz(&plan->colour);
+        else
+            pupil_still_colour_from(&given, &plan->colour);
     }
     if (plan->kind == EXR_KIND_LUMINANCE) /* grey is white of any primaries: it stays as it is, to the bit */
         plan->colour.convert = 0;

@@ -55,10 +55,13 @@ static int numbers(const char *text, double *values, int count)
 static int divide_by(radiance *r, const char *line, const char *text, int count, pupil_why *why)
 {
     double given[3];
-    if (numbers(text, given, count) < count)
+    const int has_number = numbers(text, given, count) == count;
+    if (!has_number)
         given[0] = 0;
     for (int c = 0; c < 3; c++) {
         double v = given[count == 3 ? c : 0];
+        if (count == 1 && has_number && v == 0) /* EXPOSURE=0, which no light was multiplied by: unknown */
+            break;
         r->divide[c] *= v;
         if (!(v > 0 && isfinite(v) && r->divide[c] > 1e-30 && r->divide[c] < 1e30))
             return pupil_still_fail(why, "the header line \"%.100s\" needs %s above 0, within 1e-30 and 1e30 in all",

@@ -10,14 +10,15 @@
  *
  * - OpenEXR: linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines or
  *   tiles (the full-size level); all compressions of the installed OpenEXR C library (3.1 lacks DWAA and DWAB). R, G
- *   and B; else X, Y and Z, which are CIE XYZ under D65; else Y with RY and BY (chroma of half the size is interpolated
- *   linearly); else Y as grey; else the first layer with one of these sets ("left.R"). Alpha and other channels are
- *   left out. Of several parts the first flat one with such channels; deep data is refused. The picture is the display
- *   window, as compositors and players show it: what the data window does not cover is black, what it holds beyond is
- *   cut off, and a data window wholly outside is refused. `chromaticities` are converted from, where they are sane.
+ *   and B; else X, Y and Z, which are CIE XYZ under D65, as R, G and B are whose primaries are its axes; else Y with RY
+ *   and BY (chroma of half the size is interpolated linearly); else Y as grey; else the first layer with one of these
+ *   sets ("left.R"). Alpha and other channels are left out. Of several parts the first flat one with such channels; deep
+ *   data is refused. The picture is the display window, as compositors and players show it: what the data window does
+ *   not cover is black, what it holds beyond is cut off, and a data window wholly outside is refused. `chromaticities`
+ *   are converted from, where they are sane.
  * - Radiance: mantissa * 2^(exponent - 136), the lower edge of Ward's step, as nearly every reader has it: the figures
- *   published with images agree with it and not with Ward's mantissa + 1/2. EXPOSURE and COLORCORR are divided out,
- *   PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
+ *   published with images agree with it and not with Ward's mantissa + 1/2. EXPOSURE and COLORCORR are divided out (an
+ *   EXPOSURE of 0 is unknown), PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
  * - PFM: as stored. Of the scale only the sign (the byte order) counts: files in circulation carry magnitudes (1/255,
  *   a maximum) that their samples are not to be multiplied with. PF, Pf and PF4 (alpha left out).
  * - PNG: by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a power

@@ -168,6 +168,17 @@ static void test_xyz(void)
      * 0.0557 -0.2040 1.0570 */
     CHECK_MSG(read_part(&still, part) == 0, "%s", why.text);
     CHECK(rgb_near(&still, 0, 0, -0.3324, 0.7268, 0.7047, 3e-4));
+    /* R, G and B with the axes as primaries are the same; another white is adapted. */
+    static const float axes[8] = {1, 0, 0, 1, 0, 0, 1.f / 3, 1.f / 3}, of_d65[8] = {1, 0, 0, 1, 0, 0, .3127f, .329f};
+    part = LITTLE(.channel = RGB(FLOAT_SAMPLES), WINDOW(1, 1), .chromaticities = axes);
+    CHECK(read_part(&still, part) == 0);
+    CHECK(rgb_near(&still, 0, 0, 3.2406 * .75 - 1.5372 * .5 - .4986 * .25, -.9689 * .75 + 1.8758 * .5 + .0415 * .25,
+                   .0557 * .75 - .2040 * .5 + 1.0570 * .25, 3e-4));
+    part.chromaticities = of_d65;
+    const double x = .75 * .95047, z = .25 * 1.08883; /* white is 1, 1, 1 */
+    CHECK(read_part(&still, part) == 0);
+    CHECK(rgb_near(&still, 0, 0, 3.2406 * x - 1.5372 * .5 - .4986 * z, -.9689 * x + 1.8758 * .5 + .0415 * z,
+                   .0557 * x - .2040 * .5 + 1.0570 * z, 3e-4));
     part = LITTLE(.channel = {{"N.X", FLOAT_SAMPLES, 0, 0},
                               {"N.Y", FLOAT_SAMPLES, 0, 0},
                               {"N.Z", FLOAT_SAMPLES, 0, 0},

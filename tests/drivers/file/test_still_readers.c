@@ -116,6 +116,9 @@ static void test_radiance_header(void)
     CHECK(read_hdr(&still, "#?RGBE\nEXPOSURE=4\nGAMMA=1\nEXPOSURE= 0.5\nCOLORCORR=1 2 4\n\n-Y 1 +X 1\n", white, 4) ==
           0);
     CHECK(rgb_is(&still, 0, 0, 0.5, 0.25, 0.125) && still.exposure_s == 0);
+    /* An exposure of 0 is unknown: LearnOpenGL's newport_loft.hdr has it. */
+    CHECK(read_hdr(&still, "#?RADIANCE\nEXPOSURE=0\nEXPOSURE=2\n\n-Y 1 +X 1\n", white, 4) == 0);
+    CHECK(rgb_is(&still, 0, 0, 0.5, 0.5, 0.5));
     CHECK(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 1\n", black, 4) == 0 && rgb_is(&still, 0, 0, 0, 0, 0));
     CHECK(read_hdr(&still, "#?RADIANCE\n\n-Y 1 +X 1\n", least, 4) == 0);
     CHECK(rgb_is(&still, 0, 0, 0x1p-135, 0x1p-134, 255 * 0x1p-135));
@@ -168,7 +171,9 @@ static void test_radiance_refusals(void)
         {"RADIANCE\n\n-Y 1 +X 1\n....", "must begin with"},
         {"#?RADIANCE\n-Y 1 +X 1\n....", "does not end with an empty line"},
         {"#?RADIANCE\nFORMAT=16-bit\n\n-Y 1 +X 1\n....", "FORMAT is \"16-bit\""},
-        {"#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\n....", "\"EXPOSURE=0\" needs a number above 0"},
+        {"#?RADIANCE\nEXPOSURE=-1\n\n-Y 1 +X 1\n....", "\"EXPOSURE=-1\" needs a number above 0"},
+        {"#?RADIANCE\nEXPOSURE=x\n\n-Y 1 +X 1\n....", "\"EXPOSURE=x\" needs a number above 0"},
+        {"#?RADIANCE\nCOLORCORR=0 0 0\n\n-Y 1 +X 1\n....", "three numbers above 0"},
         {"#?RADIANCE\nEXPOSURE=nan\n\n-Y 1 +X 1\n....", "EXPOSURE=nan"},
         {"#?RADIANCE\nEXPOSURE=1e20\nEXPOSURE=1e20\n\n-Y 1 +X 1\n....", "EXPOSURE=1e20"},
         {"#?RADIANCE\nCOLORCORR=1 2\n\n-Y 1 +X 1\n....", "three numbers"},
