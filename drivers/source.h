@@ -48,6 +48,8 @@ typedef struct pupil_frame {
     const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
     size_t coded_bytes; /* of coded */
     const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
+    double window[4]; /* x, y, width and height, in fractions, of the picture in it; what is around that is filled in
+                       * and not to be metered (a data window of OpenEXR). A width of 0: all of it */
 } pupil_frame;
 
 /* Options that a source obeys. */

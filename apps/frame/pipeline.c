@@ -29,6 +29,26 @@ int frame_pipeline_use_veil(frame_pipeline *p, const pupil_veil_config *config, 
     return cpu_engine_use_veil(p->cpu, config, bloom_above);
 }
 
+/* --- the settings --- */
+
+/* The configuration, with the metering within the window: each cell counts by the share of it that the window covers.
+ */
+static pupil_config tuned(const frame_pipeline *p)
+{
+    enum { CELLS = PUPIL_GRID_SIDE * PUPIL_GRID_SIDE };
+    pupil_config config = p->config, within = p->config;
+    uint8_t *const given = &config.weight[0][0], *const covered = &within.weight[0][0];
+    unsigned most = 0;
+    if (!(p->window[2] > 0.0) ||
+        pupil_metering_roi(&within, p->window[0], p->window[1], p->window[2], p->window[3]) != PUPIL_OK)
+        return config;
+    for (int i = 0; i < CELLS; i++)
+        most = (unsigned)given[i] * covered[i] > most ? (unsigned)given[i] * covered[i] : most;
+    for (int i = 0; i < CELLS && most; i++) /* rounded up: what counts a little still counts */
+        covered[i] = (uint8_t)(((unsigned)given[i] * covered[i] * 255 + most - 1) / most);
+    return most ? within : config; /* a user who meters outside of the window has it so */
+}
+
 /* --- CPU or GPU --- */
 
 void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_proc get_proc)
@@ -47,7 +67,8 @@ void frame_pipeline_give_up_gpu(frame_pipeline *p, const pupil_why *why)
     pupil_refuse(&p->warning, "--gles: %.900s", why->text);
     gles_engine_close(p->gpu);
     p->gpu = NULL;
-    pupil_retune(&p->pupil, &p->config); /* the GPU may have had no histogram */
+    const pupil_config config = tuned(p);
+    pupil_retune(&p->pupil, &config); /* the GPU may have had no histogram */
 }
 
 void frame_pipeline_describe(const frame_pipeline *p, char *text, size_t text_bytes)
@@ -70,15 +91,32 @@ static void find_curve(frame_pipeline *p)
         (void)pupil_curve_before_light(&p->pupil, &p->adapted);
 }
 
+static void retune(frame_pipeline *p)
+{
+    const pupil_config config = tuned(p);
+    pupil_why why;
+    if (!p->gpu)
+        pupil_retune(&p->pupil, &config);
+    else if (gles_engine_retune(p->gpu, &p->pupil, &config, &why))
+        frame_pipeline_give_up_gpu(p, &why);
+}
+
 void frame_pipeline_retune(frame_pipeline *p, const pupil_config *config)
 {
-    pupil_why why;
     p->config = *config;
-    if (!p->gpu)
-        pupil_retune(&p->pupil, config);
-    else if (gles_engine_retune(p->gpu, &p->pupil, config, &why))
-        frame_pipeline_give_up_gpu(p, &why);
+    retune(p);
     find_curve(p);
+}
+
+void frame_pipeline_look_at(frame_pipeline *p, const pupil_frame *frame)
+{
+    int same = 1;
+    for (int i = 0; i < 4; i++) {
+        same = same && !(frame->window[i] < p->window[i]) && !(frame->window[i] > p->window[i]);
+        p->window[i] = frame->window[i];
+    }
+    if (!same)
+        retune(p);
 }
 
 /* --- a frame --- */
@@ -137,6 +175,7 @@ static int meter_by_gpu(frame_pipeline *p, const pupil_frame *frame, pupil_why *
 int frame_pipeline_meter(frame_pipeline *p, const pupil_frame *frame, pupil_why *why)
 {
     p->frames++;
+    frame_pipeline_look_at(p, frame);
     if (p->gpu) {
         pupil_why reason;
         const pupil_t before = p->pupil;

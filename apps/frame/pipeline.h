@@ -29,6 +29,7 @@ typedef struct frame_pipeline {
     gles_engine *gpu; /* NULL: frames are done by the CPU */
     int veil;         /* frames have one */
     int cpu_only;     /* frame_pipeline_use_gpu does nothing */
+    double window[4]; /* of the frame that was metered last: source.h */
     int own_curve;    /* the caller replaces each frame's curve, so new settings do not change it */
     int is_mapped;    /* in the pass that metered it */
     uint64_t frames, gpu_frames;
@@ -52,6 +53,9 @@ void frame_pipeline_use_gpu(frame_pipeline *p, uint32_t version, pupil_gles_get_
 
 /* The settings from the next frame on; `adapted` follows them at once. */
 void frame_pipeline_retune(frame_pipeline *p, const pupil_config *config);
+
+/* Before the frame is metered, where frame_pipeline_meter does not do it: its window alone counts, as with --roi. */
+void frame_pipeline_look_at(frame_pipeline *p, const pupil_frame *frame);
 
 /* Meters the frame and adapts to it: stats, adapted and curve are this frame's. -1 and a sentence. */
 int frame_pipeline_meter(frame_pipeline *p, const pupil_frame *frame, pupil_why *why);

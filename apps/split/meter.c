@@ -48,6 +48,7 @@ static int run(metering *m, pupil_why *why)
         f->info = frame.info;
         f->pixels = split_pixels(&frame.image);
         snprintf(f->name, sizeof f->name, "%s", frame.name);
+        frame_pipeline_look_at(&m->pipeline, &frame);
         const int failed = cpu_engine_ops.meter(m->pipeline.cpu, &m->pipeline.pupil, &frame, &f->is.stats, why) ||
                            split_file_write(&m->part, f, why);
         split_input_done(&m->input, &frame);

@@ -25,6 +25,7 @@ class Page {
         this.picture = new Picture(at("stage"), at("picture"), at("region"), (r) => this.meterAt(r));
         this.controls = new Controls(at("settings"), (name, value) => this.change(name, value), (e) => this.say(e));
         this.still = null;
+        this.hasWindow = false; // the metering region is the still's own
         this.frames = null;
         this.exposure = null;
         this.recording = null;
@@ -91,6 +92,7 @@ class Page {
     }
 
     meterAt(region) {
+        this.hasWindow = false;
         if (region)
             this.core.calls.region(region.x, region.y, region.width, region.height);
         else
@@ -129,6 +131,9 @@ class Page {
         this.core.bytes(this.core.lightAt, this.core.frameBytes).set(bytes);
         this.core.bytes(this.core.frameAt, this.core.frameBytes).set(bytes);
         this.still = still;
+        if (still.window || this.hasWindow) // what a data window of OpenEXR leaves out is no part of the scene
+            this.picture.setRegion(still.window ?? null);
+        this.hasWindow = Boolean(still.window);
         this.count = 0;
         at("light-row").hidden = !floats;
         at("source-name").textContent = `${name}, ${still.width} x ${still.height}` +

@@ -219,6 +219,16 @@ function checkExr(header, which, fileBytes) {
     return bytes;
 }
 
+// What the data window has of the picture, in shares of it; null: all.
+function windowOfExr(header) {
+    const [x0, y0, x1, y1] = header.dataWindow, [left, top, right, bottom] = header.displayWindow;
+    if (x0 <= left && y0 <= top && x1 >= right && y1 >= bottom)
+        return null;
+    const x = Math.max(x0, left), y = Math.max(y0, top), width = right - left + 1, height = bottom - top + 1;
+    return { x: (x - left) / width, y: (y - top) / height, width: (Math.min(x1, right) + 1 - x) / width,
+        height: (Math.min(y1, bottom) + 1 - y) / height };
+}
+
 async function readExr(bytes) {
     const r = new ExrBytes(bytes), header = headerOfExr(r), which = picked(header.channels);
     const pixelBytes = checkExr(header, which, bytes.length);
@@ -246,5 +256,5 @@ async function readExr(bytes) {
         throw damagedExr("a chunk is there twice, and another one is missing");
     if (which[0] !== which[1])
         convertTo709(data, matrixOfExr(header.chromaticities));
-    return { width: size.width, height: size.height, pixel: PIXEL.RGB32F, data };
+    return { width: size.width, height: size.height, pixel: PIXEL.RGB32F, data, window: windowOfExr(header) };
 }

@@ -53,6 +53,10 @@ def main():
                           ("zip16", ["-compression", "zip16"]), ("half", ["-compression", "zip16", "-format", "half"]),
                           ("none", ["-compression", "none"])):
         subprocess.run([*convert, *options, str(folder / f"{name}.exr")], check=True)
+    exr = (folder / "zip1.exr").read_bytes()
+    at = exr.index(b"displayWindow\0box2i\0") + 24
+    around = struct.pack("<4i", -10, -20, 99, 30)  # the picture ends below it
+    (folder / "window.exr").write_bytes(exr[:at] + around + exr[at + 16:])
     with_axes_of_xyz(folder / "zip1.exr", folder / "xyz.exr")
     for name, kind in (("rgb48", "rgb48be"), ("rgba64", "rgba64be"), ("grey16", "gray16be"), ("rgb24", "rgb24")):
         subprocess.run([*convert, "-pix_fmt", kind, str(folder / f"{name}.png")], check=True)

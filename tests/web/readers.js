@@ -33,6 +33,8 @@ async function levelOf(core, bytes) {
     if (floats)
         core.calls.light(core.lightAt, core.frameAt, core.frameBytes / 4, 2 ** stops);
     core.calls.reset();
+    const w = still.window ?? { x: 0, y: 0, width: 1, height: 1 };
+    core.calls.region(w.x, w.y, w.width, w.height);
     core.take({ matrix: 0, range: 1 });
     core.meter();
     core.adapt(0n, stops ? 1 : 0, stops ? 2 ** stops : 0);

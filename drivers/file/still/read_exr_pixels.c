@@ -269,13 +269,36 @@ static int covers(const exr_attr_box2i_t *outer, const exr_attr_box2i_t *inner)
            outer->max.y >= inner->max.y;
 }
 
-static int read_all(exr_pixels *p)
+/* One axis: where the data window begins in the display window, and how much of it that is, in fractions. */
+static void cover(int32_t data_min, int32_t data_max, int32_t display_min, int32_t display_max, double window[2])
+{
+    const int64_t first = data_min > display_min ? data_min : display_min;
+    const int64_t end = (int64_t)(data_max < display_max ? data_max : display_max) + 1;
+    const double side = (double)display_max - display_min + 1;
+    window[0] = (double)(first - display_min) / side;
+    window[1] = (double)(end - first) / side;
+}
+
+static void set_window(const exr_plan *plan, double window[4])
+{
+    double x[2], y[2];
+    cover(plan->data.min.x, plan->data.max.x, plan->display.min.x, plan->display.max.x, x);
+    cover(plan->data.min.y, plan->data.max.y, plan->display.min.y, plan->display.max.y, y);
+    window[0] = x[0];
+    window[1] = y[0];
+    window[2] = x[1];
+    window[3] = y[1];
+}
+
+static int read_all(exr_pixels *p, pupil_still *still)
 {
     exr_plan *plan = p->plan;
     if (plan->kind == EXR_KIND_LUMA_CHROMA && reserve_chroma(p))
         return -1;
-    if (!covers(&plan->data, &plan->display))
+    if (!covers(&plan->data, &plan->display)) {
         memset(p->rgb, 0, (size_t)p->width * p->height * 3 * sizeof(float));
+        set_window(plan, still->window);
+    }
     if (plan->is_tiled ? read_tiles(p) : read_scanlines(p))
         return -1;
     if (plan->kind == EXR_KIND_LUMA_CHROMA)
@@ -297,7 +320,7 @@ int pupil_exr_read_pixels(exr_plan *plan, pupil_still *still)
     p.rgb = still->pixels;
     p.width = still->width;
     p.height = still->height;
-    result = read_all(&p);
+    result = read_all(&p, still);
     if (p.begun)
         exr_decoding_destroy(plan->file, &p.decode);
     free(p.chroma[0]);

@@ -12,10 +12,10 @@
  *   tiles (the full-size level); all compressions of the installed OpenEXR C library (3.1 lacks DWAA and DWAB). R, G
  *   and B; else X, Y and Z, which are CIE XYZ under D65, as R, G and B are whose primaries are its axes; else Y with RY
  *   and BY (chroma of half the size is interpolated linearly); else Y as grey; else the first layer with one of these
- *   sets ("left.R"). Alpha and other channels are left out. Of several parts the first flat one with such channels; deep
- *   data is refused. The picture is the display window, as compositors and players show it: what the data window does
- *   not cover is black, what it holds beyond is cut off, and a data window wholly outside is refused. `chromaticities`
- *   are converted from, where they are sane.
+ *   sets ("left.R"). Alpha and other channels are left out. Of several parts the first flat one with such channels;
+ * deep data is refused. The picture is the display window, as compositors and players show it: what the data window
+ * does not cover is black (`window` says what it covers), what it holds beyond is cut off, and a data window wholly
+ * outside is refused. `chromaticities` are converted from, where they are sane.
  * - Radiance: mantissa * 2^(exponent - 136), the lower edge of Ward's step, as nearly every reader has it: the figures
  *   published with images agree with it and not with Ward's mantissa + 1/2. EXPOSURE and COLORCORR are divided out (an
  *   EXPOSURE of 0 is unknown), PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
@@ -57,6 +57,8 @@ typedef struct pupil_still {
     int as_stored;       /* not turned upright; set by the caller */
     uint64_t max_pixels; /* set by the caller: so many are read, of files of any size; 0: as above */
     uint64_t most;       /* what follows from it for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
+    double window[4];    /* x, y, width and height, in fractions, of what the file has of it; the rest is black. A width
+                          * of 0: all of it */
     double exposure_s;   /* 0: in all four formats the pixel values are scene light already */
     uint8_t *file;       /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
     size_t file_capacity_bytes;

@@ -2,6 +2,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "still_private.h"
 
@@ -62,5 +63,6 @@ int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uin
     still->height = (uint32_t)height;
     still->pixel = pixel;
     still->exposure_s = 0;
+    memset(still->window, 0, sizeof still->window);
     return 0;
 }

@@ -102,8 +102,9 @@ static void hand_over(uint32_t white, uint32_t version, ending how)
     start(&gpu, white);
     frame_pipeline_use_gpu(p, version, NULL);
     for (int number = 0; number < FRAMES; number++) {
-        const pupil_frame frame = make_frame(number);
+        pupil_frame frame = make_frame(number);
         pupil_why why = {""};
+        frame.window[2] = frame.window[3] = number / 8 % 2 ? 0.5 : 0.0; /* also when the CPU takes over */
         if (number == HANDOVER && how == LOST)
             lose_context();
         else if (number == HANDOVER && how == GIVEN_UP)
@@ -160,6 +161,45 @@ static void like_process(uint32_t order, uint32_t white)
     frame_pipeline_close(&p);
 }
 
+/* A frame's window is what --roi of it is, for that frame; where the settings count nothing of it, it is not there. */
+static void window(uint32_t version, int on_gpu)
+{
+    static const double half[4] = {0.125, 0.3, 0.5, 0.5}; /* its rows begin within a cell of the grid */
+    static run whole, seen;
+    for (int elsewhere = 0; elsewhere < 2; elsewhere++) {
+        start(&whole, PUPIL_WHITE_FOLLOW);
+        start(&seen, PUPIL_WHITE_FOLLOW);
+        if (on_gpu) {
+            frame_pipeline_use_gpu(&whole.pipeline, version, NULL);
+            frame_pipeline_use_gpu(&seen.pipeline, version, NULL);
+        }
+        for (int number = 0; number < 8; number++) {
+            const int inside = number % 4 != 3;
+            pupil_frame frame = make_frame(number);
+            pupil_config config = whole.pipeline.config;
+            pupil_metering_uniform(&config);
+            if (elsewhere)
+                pupil_metering_roi(&config, 0.75, 0, 0.25, 0.25);
+            if (number == 0)
+                frame_pipeline_retune(&seen.pipeline, &config);
+            if (inside && !elsewhere)
+                pupil_metering_roi(&config, half[0], half[1], half[2], half[3]);
+            frame_pipeline_retune(&whole.pipeline, &config);
+            step(&whole, &frame);
+            if (inside)
+                memcpy(frame.window, half, sizeof half);
+            step(&seen, &frame);
+            CHECK_MSG(fabs(whole.exposure.adapted_ev - seen.exposure.adapted_ev) < 1e-9, "frame %d: %.9f, by roi %.9f",
+                      number, seen.exposure.adapted_ev, whole.exposure.adapted_ev);
+            CHECK((seen.pipeline.gpu != NULL) == on_gpu);
+        }
+        if (on_gpu) /* the CPU takes over with the window */
+            frame_pipeline_give_up_gpu(&seen.pipeline, &(pupil_why){"given up"});
+        frame_pipeline_close(&whole.pipeline);
+        frame_pipeline_close(&seen.pipeline);
+    }
+}
+
 /* Only the curve says how a frame is mapped: the caller's takes effect. */
 static void own_curve(void)
 {
@@ -187,6 +227,7 @@ int main(int argc, char **argv)
         for (uint32_t white = PUPIL_WHITE_FOLLOW; white <= PUPIL_WHITE_NONE; white++)
             like_process(order, white);
     own_curve();
+    window(0, 0);
     start(&probe, PUPIL_WHITE_FOLLOW);
     frame_pipeline_use_gpu(&probe.pipeline, 0, NULL);
     const pupil_frame frame = make_frame(0);
@@ -197,6 +238,7 @@ int main(int argc, char **argv)
     frame_pipeline_close(&probe.pipeline);
     if (!has_gpu)
         return check_state.failures ? check_end() : check_skip("no OpenGL ES 3.1");
+    window(0, 1);
     hand_over(PUPIL_WHITE_FOLLOW, 0, GIVEN_UP);
     hand_over(PUPIL_WHITE_NONE, PUPIL_GLES_ES30, GIVEN_UP);
     hand_over(PUPIL_WHITE_FOLLOW, 0, LOST);

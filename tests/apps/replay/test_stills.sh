@@ -86,6 +86,25 @@ END
 expect 1 "save it as OpenEXR (.exr) or PFM" replay float.tif -o float.png
 absent float.png
 
+# what the data window of OpenEXR leaves of the picture is not metered: the level is that of --roi
+ffmpeg -v error -nostdin -i in/png-64x36.png -pix_fmt gbrpf32le whole.exr || skip "ffmpeg writes no EXR"
+python3 - <<'END'
+import struct
+exr = open("whole.exr", "rb").read()
+at = exr.index(b"displayWindow\0box2i\0") + 24
+open("part.exr", "wb").write(exr[:at] + struct.pack("<4i", -64, -36, 191, 107) + exr[at + 16:])
+END
+adapted() { sed 's/.*"adapted_ev":\([^,]*\),.*/\1/' "$1"; }
+expect 0 "" replay whole.exr --stats whole.jsonl
+expect 0 "" replay part.exr --stats part.jsonl
+expect 0 "" replay part.exr --roi 0.25,0.25,0.25,0.25 --stats roi.jsonl
+[ "$(adapted part.jsonl)" = "$(adapted roi.jsonl)" ] || fail "the level $(adapted part.jsonl), by --roi $(adapted roi.jsonl)"
+python3 -c "exit(abs($(adapted part.jsonl) - $(adapted whole.jsonl)) > 0.001)" ||
+    fail "the level $(adapted part.jsonl), without what is around it $(adapted whole.jsonl)"
+expect 0 "" replay whole.exr part.exr whole.exr --reset-each --stats three.jsonl
+[ "$(adapted three.jsonl | tr '\n' ' ')" = "$(adapted whole.jsonl) $(adapted part.jsonl) $(adapted whole.jsonl) " ] ||
+    fail "of three: $(adapted three.jsonl)"
+
 # all formats on standard input, as a file and as a pipe
 ffmpeg -v error -nostdin -i in/png-40x30.png -pix_fmt gbrpf32le in/x.exr || skip "ffmpeg writes no EXR"
 ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=64x36:r=25:d=1 -c:v mpeg4 late.mp4 # its index comes last

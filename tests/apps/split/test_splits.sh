@@ -87,6 +87,19 @@ for ranges in 2 7; do
     split stills 20 $ranges still_*.pfm --fps 12 --tau-light 0.1
 done
 
+# Pictures of which the data window of OpenEXR has a part, each another one.
+ffmpeg -loglevel error -i clip.mkv -frames:v 8 -pix_fmt gbrpf32le part_%02d.exr
+python3 - part_*.exr <<'END'
+import struct, sys
+for n, name in enumerate(sys.argv[1:]):
+    exr = open(name, "rb").read()
+    at = exr.index(b"displayWindow\0box2i\0") + 24
+    open(name, "wb").write(exr[:at] + struct.pack("<4i", -12 * n, -54, 191 - 12 * n, 53) + exr[at + 16:])
+END
+whole parts part_*.exr --fps 12
+inputs=$(echo part_*.exr) map_options="--fps 12"
+split parts 8 3 part_*.exr --fps 12
+
 # Settings that affect metering and the statistics.
 for options in "--metering spot --formula 2" "--white none --highlights 0" "--tone adjust --fused" "--eye 100"; do
     whole other clip.mkv $options

@@ -83,14 +83,27 @@ static void test_layouts(void)
                3, 2, 1);
 }
 
+/* What the data window has of the picture; the still's next file begins anew. */
+static void check_window(exr_part part, const double window[4])
+{
+    pupil_still still = {.window = {0.25, 0.25, 0.25, 0.25}};
+    CHECK(read_part(&still, part) == 0);
+    for (int i = 0; i < 4; i++)
+        CHECK_MSG(fabs(still.window[i] - window[i]) < 1e-12, "%d: %g for %g", i, still.window[i], window[i]);
+    pupil_still_free(&still);
+}
+
 static void test_windows(void)
 {
     static const int displays[][4] = {{0, 0, 9, 7}, {-3, -2, 12, 9}, {2, 3, 4, 5}, {8, 6, 20, 20}, {-5, 1, 1, 3}};
+    static const double windows[][4] = {
+        {0}, {3 / 16., 2 / 12., 10 / 16., 8 / 12.}, {0}, {0, 0, 2 / 13., 2 / 15.}, {5 / 7., 0, 2 / 7., 1}};
     for (size_t i = 0; i < sizeof displays / sizeof *displays; i++)
         for (int tiled = 0; tiled < 2; tiled++) {
             exr_part part = {.channel = RGB(HALF_SAMPLES), .data = {0, 0, 9, 7}, .tile = {tiled * 4, tiled * 4}};
             memcpy(part.display, displays[i], sizeof part.display);
             check_part(part, 2, 1, 0);
+            check_window(part, windows[i]);
         }
 }
 
