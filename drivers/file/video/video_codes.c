@@ -64,11 +64,6 @@ static int reserve(pupil_video_pixels *p)
 int pupil_video_codes_set(pupil_video_pixels *p, const pupil_video_tags *tags, pupil_why *why)
 {
     const uint32_t width = (uint32_t)p->kind.width, height = (uint32_t)p->kind.height;
-    if (tags->primaries != AVCOL_PRI_BT709 && tags->primaries != AVCOL_PRI_BT2020) {
-        const char *name = av_color_primaries_name((enum AVColorPrimaries)tags->primaries);
-        return pupil_refuse(why, "its primaries %s cannot be read with PQ and HLG; bt2020 and bt709 can",
-                            name ? name : "(unknown)");
-    }
     p->coding = (pupil_coding){.range = tags->is_full ? PUPIL_RANGE_FULL : PUPIL_RANGE_LIMITED,
                                .light = tags->transfer == AVCOL_TRC_SMPTE2084 ? PUPIL_LIGHT_PQ : PUPIL_LIGHT_HLG};
     if (set_matrix(p, tags->space, why))

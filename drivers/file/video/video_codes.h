@@ -15,8 +15,8 @@
 /* Whether the library has the curve. */
 int pupil_video_is_coded(int transfer);
 
-/* Takes memory for a frame of this kind, and describes it in pixels->image. Primaries other than BT.709 and BT.2020 and
- * a matrix that the library does not have are refused. */
+/* Takes memory for a frame of this kind, of the primaries of BT.709 or BT.2020, and describes it in pixels->image. A
+ * matrix that the library does not have is refused. */
 int pupil_video_codes_set(pupil_video_pixels *pixels, const pupil_video_tags *tags, pupil_why *why);
 
 /* The frame into pixels->codes_out. */

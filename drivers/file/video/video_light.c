@@ -1,4 +1,4 @@
-/* drivers/file/video/video_light.c: SDR transfer curves and primaries of Rec. ITU-T H.273, to linear Rec.709. */
+/* drivers/file/video/video_light.c: transfer curves and primaries of Rec. ITU-T H.273, to linear Rec.709. */
 #include "video_light.h"
 
 #include <math.h>
@@ -26,6 +26,19 @@ static double linear_light(double code)
     return code;
 }
 
+/* Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 cd/m2. */
+static double pq_light(double code)
+{
+    const double p = pow(code, 32 / 2523.), top = fmax(p - 3424 / 4096., 0);
+    return 100 * pow(top / (2413 / 128. - 2392 / 128. * p), 16384 / 2610.);
+}
+
+/* Rec. ITU-R BT.2100-2, table 5: the inverse of the OETF, scene light 0..1. */
+static double hlg_light(double code)
+{
+    return code <= 0.5 ? code * code / 3 : (exp((code - 0.55991073) / 0.17883277) + 0.28466892) / 12;
+}
+
 int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharacteristic transfer)
 {
     double (*light)(double code);
@@ -51,6 +64,12 @@ int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharac
         break;
     case AVCOL_TRC_LINEAR:
         light = linear_light;
+        break;
+    case AVCOL_TRC_SMPTE2084:
+        light = pq_light;
+        break;
+    case AVCOL_TRC_ARIB_STD_B67:
+        light = hlg_light;
         break;
     default:
         return -1;
@@ -130,9 +149,25 @@ int pupil_light_to_rec709(double matrix[9], enum AVColorPrimaries primaries)
     return -1;
 }
 
-int pupil_light_luma(double *red, double *blue, enum AVColorSpace space)
+/* H.273, equations 41 to 46: luma is the luminance of the primaries. */
+static int derived_luma(double *red, double *blue, enum AVColorPrimaries primaries)
+{
+    for (size_t k = 0; k < sizeof chromaticities / sizeof *chromaticities; k++)
+        if (chromaticities[k].primaries == primaries) {
+            double xyz[9];
+            rgb_to_xyz(xyz, chromaticities[k].xy);
+            *red = xyz[3];
+            *blue = xyz[5];
+            return 0;
+        }
+    return -1;
+}
+
+int pupil_light_luma(double *red, double *blue, enum AVColorSpace space, enum AVColorPrimaries primaries)
 {
     switch ((int)space) {
+    case AVCOL_SPC_CHROMA_DERIVED_NCL:
+        return derived_luma(red, blue, primaries);
     case AVCOL_SPC_BT709:
         *red = 0.2126;
         *blue = 0.0722;

@@ -1,10 +1,10 @@
-/* drivers/file/video/video_light.h: what an SDR video's tags say about light: transfer curves and primaries, to linear
- * Rec.709. PQ and HLG are the library's (video_codes.h).
+/* drivers/file/video/video_light.h: what a video's tags say about light: transfer curves and primaries, to linear
+ * Rec.709. PQ and HLG of BT.709 and BT.2020 are the library's (video_codes.h).
  *
- * Tags are libav's, whose numbers are those of Rec. ITU-T H.273. A table's 1.0 is peak white. BT.709, BT.601, BT.2020
- * SDR, sRGB and untagged video all go through the inverse of the sRGB curve. Not BT.1886: pupil's outputs are coded
- * with the sRGB curve, and a well exposed clip that is passed through keeps its codes only if both sides use one curve.
- * Gamma 2.2, gamma 2.8 and linear video is decoded as tagged.
+ * Tags are libav's, whose numbers are those of Rec. ITU-T H.273. A table's 1.0 is peak white, of PQ 100 cd/m2. BT.709,
+ * BT.601, BT.2020 SDR, sRGB and untagged video all go through the inverse of the sRGB curve. Not BT.1886: pupil's
+ * outputs are coded with the sRGB curve, and a well exposed clip that is passed through keeps its codes only if both
+ * sides use one curve. Gamma 2.2, gamma 2.8 and linear video is decoded as tagged.
  *
  * Threads: pure functions.
  */
@@ -22,8 +22,9 @@ int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharac
  * cinema primaries whose white is not D65. Unspecified primaries count as Rec.709. -1 for unknown primaries. */
 int pupil_light_to_rec709(double matrix[9], enum AVColorPrimaries primaries);
 
-/* The weights of red and blue in luma, of which every matrix of H.273 (table 4) of this kind is made. -1 for a matrix
- * that is not of this kind (constant luminance, ICtCp, YCgCo) or unspecified. */
-int pupil_light_luma(double *red, double *blue, enum AVColorSpace space);
+/* The weights of red and blue in luma, of which every matrix of H.273 (table 4) of this kind is made; that which is
+ * derived from the chromaticities has those of the primaries. -1 for a matrix that is not of this kind (constant
+ * luminance, ICtCp, YCgCo) or unspecified. */
+int pupil_light_luma(double *red, double *blue, enum AVColorSpace space, enum AVColorPrimaries primaries);
 
 #endif

@@ -63,12 +63,12 @@ static void set_range(pupil_video_pixels *p, int is_full)
     }
 }
 
-static int set_matrix(pupil_video_pixels *p, int space, pupil_why *why)
+static int set_matrix(pupil_video_pixels *p, int space, int primaries, pupil_why *why)
 {
     double red, blue;
     if (p->is_rgb || p->is_grey)
         return 0;
-    if (pupil_light_luma(&red, &blue, (enum AVColorSpace)space)) {
+    if (pupil_light_luma(&red, &blue, (enum AVColorSpace)space, (enum AVColorPrimaries)primaries)) {
         const char *name = av_color_space_name((enum AVColorSpace)space);
         return pupil_refuse(
             why, "its colour matrix %s cannot be read; bt709, bt2020nc, smpte170m, bt470bg, smpte240m and fcc can",
@@ -152,6 +152,10 @@ static pupil_video_tags resolve(const pupil_video_pixels *p, const AVFrame *f)
                           : AVCOL_SPC_SMPTE170M;
     }
     t.primaries = filled_in(t.transfer, t.primaries, f->colorspace);
+    if (t.space == AVCOL_SPC_CHROMA_DERIVED_NCL && t.primaries == AVCOL_PRI_BT709)
+        t.space = AVCOL_SPC_BT709;
+    else if (t.space == AVCOL_SPC_CHROMA_DERIVED_NCL && t.primaries == AVCOL_PRI_BT2020)
+        t.space = AVCOL_SPC_BT2020_NCL;
     t.is_full = p->is_rgb || is_yuvj(f->format) || f->color_range == AVCOL_RANGE_JPEG ||
                 (p->is_grey && f->color_range != AVCOL_RANGE_MPEG);
     return t;
@@ -162,7 +166,7 @@ static int set_pixels(pupil_video_pixels *p, const pupil_video_tags *tags, pupil
     if (reserve_light(p, (size_t)p->kind.width, (size_t)p->kind.height))
         return pupil_refuse(why, "not enough memory for a frame of %d x %d", p->kind.width, p->kind.height);
     set_range(p, tags->is_full);
-    if (set_matrix(p, tags->space, why) || set_light(p, tags->transfer, tags->primaries, why))
+    if (set_matrix(p, tags->space, tags->primaries, why) || set_light(p, tags->transfer, tags->primaries, why))
         return -1;
     p->image = pupil_image_const_of(p->pixels, (uint32_t)p->kind.width, (uint32_t)p->kind.height, PUPIL_PIXEL_RGB32F);
     return 0;
@@ -180,7 +184,8 @@ static int set_kind(pupil_video_pixels *p, const pupil_video_kind *kind, const A
     p->kind = *kind;
     const pupil_video_tags tags = resolve(p, f);
     int failed = reserve_chroma(p, (size_t)f->width);
-    p->is_coded = pupil_video_is_coded(tags.transfer);
+    p->is_coded = pupil_video_is_coded(tags.transfer) &&
+                  (tags.primaries == AVCOL_PRI_BT709 || tags.primaries == AVCOL_PRI_BT2020);
     p->primaries = pupil_video_primaries(tags.transfer, tags.primaries, tags.space);
     if (failed) {
         pupil_refuse(why, "not enough memory for a frame of %d x %d", f->width, f->height);

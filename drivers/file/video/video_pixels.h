@@ -1,5 +1,6 @@
 /* drivers/file/video/video_pixels.h: one decoded video frame as an image for the library: SDR as linear Rec.709 float,
- * exactly; PQ and HLG as Y'CbCr 4:4:4 (video_codes.h).
+ * exactly, and so PQ and HLG of other primaries than BT.709 and BT.2020 (P3); PQ and HLG of these as Y'CbCr 4:4:4
+ * (video_codes.h).
  *
  * swscale is not used on purpose. Its YUV to 16-bit RGB maps white to 65283 of 65535 (0.4 % short, 0.9 % of light), but
  * RGB sources to 65535. So the same grey would differ by its pixel format. Here every sample is read as it is, chroma
@@ -55,7 +56,7 @@ typedef struct pupil_video_pixels {
     pupil_coding coding;    /* of the result */
     uint32_t *wide_rows[3]; /* rows of chroma in 8ths and 64ths of a code, or of R, G and B */
     float to_16[2][2];      /* of luma and chroma: from 64ths of a code to one of 16 bits and a half, factor and sum */
-    /* SDR */
+    /* SDR, and PQ and HLG of other primaries */
     float *pixels;            /* width x height x 3 */
     float *rows[3];           /* one row, in units of the light table's entries: luma and two chroma, or R, G and B */
     float *chroma_rows[2];    /* two rows of chroma, to interpolate between */

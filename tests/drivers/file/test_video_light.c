@@ -35,8 +35,11 @@ static void test_tables(void)
     static const struct {
         enum AVColorTransferCharacteristic transfer;
         real (*light)(real);
-    } curves[] = {{AVCOL_TRC_BT709, srgb}, {AVCOL_TRC_IEC61966_2_1, srgb}};
-    for (int k = 0; k < 2; k++) {
+    } curves[] = {{AVCOL_TRC_BT709, srgb},
+                  {AVCOL_TRC_IEC61966_2_1, srgb},
+                  {AVCOL_TRC_SMPTE2084, pq},
+                  {AVCOL_TRC_ARIB_STD_B67, hlg}};
+    for (int k = 0; k < 4; k++) {
         CHECK(pupil_light_table(table, curves[k].transfer) == 0);
         for (int i = 0; i < PUPIL_LIGHT_CODES; i += 5) { /* 65535 is a multiple of 5 */
             real want = curves[k].light(i / 65535.0L);
@@ -47,7 +50,7 @@ static void test_tables(void)
     /* Published reference points: BT.2408 puts 203 cd/m2 at 58 % PQ; HLG's 75 % is 0.265; 100 cd/m2 is 50.8 % PQ. */
     CHECK(pq(1) == 100 && fabsl(pq(0.5806L) - 2.03L) < 0.005L && fabsl(pq(0.50808L) - 1) < 1e-3L);
     CHECK(fabsl(hlg(0.75L) - 0.26496L) < 2e-5L && fabsl(hlg(1) - 1) < 1e-6L);
-    CHECK(pupil_light_table(table, AVCOL_TRC_SMPTE2084) == -1 && pupil_light_table(table, AVCOL_TRC_LOG) == -1);
+    CHECK(pupil_light_table(table, AVCOL_TRC_LOG) == -1);
 }
 
 /* Rec. ITU-R BT.2087-0, annex 1, gives this matrix with four digits. */
@@ -63,6 +66,10 @@ static void test_matrix(void)
     for (int row = 0; row < 3; row++)
         CHECK(fabs(m[3 * row] + m[3 * row + 1] + m[3 * row + 2] - 1) < 1e-12);
     CHECK(pupil_light_to_rec709(m, AVCOL_PRI_SMPTE428) == -1);
+    /* SMPTE EG 432-1: the luminance of P3 with D65. */
+    CHECK(pupil_light_luma(m, m + 1, AVCOL_SPC_CHROMA_DERIVED_NCL, AVCOL_PRI_SMPTE432) == 0);
+    CHECK(fabs(m[0] - 0.2290) < 1e-4 && fabs(m[1] - 0.0793) < 1e-4);
+    CHECK(pupil_light_luma(m, m + 1, AVCOL_SPC_CHROMA_DERIVED_NCL, AVCOL_PRI_SMPTE428) == -1);
 }
 
 static int from_list(const clip *c, int frame, int component, int x, int y)
@@ -75,7 +82,8 @@ static int from_list(const clip *c, int frame, int component, int x, int y)
 
 static int is_coded(const clip *c)
 {
-    return c->transfer == AVCOL_TRC_SMPTE2084 || c->transfer == AVCOL_TRC_ARIB_STD_B67;
+    return (c->transfer == AVCOL_TRC_SMPTE2084 || c->transfer == AVCOL_TRC_ARIB_STD_B67) &&
+           c->primaries != AVCOL_PRI_SMPTE432;
 }
 
 /* The tolerance of a signal, of 65535: half a step of the light table, or half a code of Y' and of Cb or Cr, which
@@ -98,7 +106,7 @@ static void expected(const clip *c, const int code[3], real (*light)(real), real
     } else {
         real y = full ? code[0] / top : (code[0] - 16 * s) / (219 * s);
         real u = (code[1] - 128 * s) / (full ? top : 224 * s), v = (code[2] - 128 * s) / (full ? top : 224 * s);
-        CHECK(pupil_light_luma(&red, &blue, c->space) == 0);
+        CHECK(pupil_light_luma(&red, &blue, c->space, c->primaries) == 0);
         e[0] = y + 2 * (1 - red) * v;
         e[2] = y + 2 * (1 - blue) * u;
         e[1] = (y - red * e[0] - blue * e[2]) / (1 - red - blue);
@@ -157,6 +165,9 @@ static void test_light(void)
         CLIP(YUV444P12, codes12, BT2020_NCL, SMPTE2084, BT2020, JPEG, pq),
         CLIP(GBRP16, codes16, RGB, SMPTE2084, BT2020, JPEG, pq),
         CLIP(GRAY10, greys10, BT2020_NCL, ARIB_STD_B67, BT2020, JPEG, hlg),
+        CLIP(YUV420P10, codes10, BT2020_NCL, SMPTE2084, SMPTE432, MPEG, pq),
+        CLIP(YUV444P10, codes10, CHROMA_DERIVED_NCL, SMPTE2084, SMPTE432, MPEG, pq),
+        CLIP(GBRP16, codes16, RGB, ARIB_STD_B67, SMPTE432, JPEG, hlg),
         CLIP(GBRP16, codes16, RGB, BT709, BT709, JPEG, srgb),
         CLIP(GRAY8, greys, BT709, BT709, BT709, JPEG, srgb),
 #undef CLIP
@@ -248,7 +259,7 @@ static void test_refused(void)
         enum AVColorSpace space;
         enum AVColorPrimaries primaries;
         const char *said;
-    } refused[] = {{AVCOL_SPC_BT2020_NCL, AVCOL_PRI_SMPTE432, "primaries smpte432 cannot be read with PQ and HLG"},
+    } refused[] = {{AVCOL_SPC_BT2020_NCL, AVCOL_PRI_SMPTE428, "primaries smpte428 cannot be read; bt709, bt2020"},
                    {AVCOL_SPC_SMPTE240M, AVCOL_PRI_BT2020, "matrix smpte240m cannot be read with PQ and HLG"}};
     for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
         const clip c = {"matroska",
