@@ -33,8 +33,9 @@ async function levelOf(core, bytes) {
     if (floats)
         core.calls.light(core.lightAt, core.frameAt, core.frameBytes / 4, 2 ** stops);
     core.calls.reset();
-    const w = still.window ?? { x: 0, y: 0, width: 1, height: 1 };
-    core.calls.region(w.x, w.y, w.width, w.height);
+    core.set("metering", 0);
+    if (still.window)
+        core.calls.region(still.window.x, still.window.y, still.window.width, still.window.height);
     core.take({ matrix: 0, range: 1 });
     core.meter();
     core.adapt(0n, stops ? 1 : 0, stops ? 2 ** stops : 0);

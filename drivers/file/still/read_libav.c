@@ -29,32 +29,54 @@ static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pu
     static const char damaged[] = "frame 0 is damaged: ";
     const char *text = strncmp(words, ": ", 2) == 0 ? words + 2 : words;
     if (strncmp(text, damaged, strlen(damaged)) != 0 ||
-        (!strstr(text, "not supported") && !strstr(text, "Not yet implemented")))
+        (!strstr(text, "not supported") && !strstr(text, "unsupported") && !strstr(text, "Not yet implemented")))
         return pupil_refuse(why, "%s", text);
     return pupil_refuse(why, "libav lacks this kind of file: %s%s", text + strlen(damaged),
                         pupil_is_tiff(bytes, size) ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
-/* Of tiles and JPEG libav hands out black pixels and no error; what it says of L*a*b* is no help. */
+/* Whether libav knows this compression (its tiff.h): else it says that the file is damaged. */
+static int is_compression_of_libav(uint32_t compression)
+{
+    enum { NONE = 1, ADOBE_DEFLATE = 8, PACKBITS = 32773, DEFLATE = 32946, LZMA = 34925 };
+    return (compression >= NONE && compression <= ADOBE_DEFLATE) || compression == PACKBITS || compression == DEFLATE ||
+           compression == LZMA;
+}
+
+/* Of tiles and JPEG libav hands out black pixels and no error, of CMYK in planes a negative; what it says of L*a*b* and
+ * of other compressions is no help. */
 static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
 {
     enum {
         COMPRESSION = 259,
         PHOTOMETRIC = 262,
+        PLANAR = 284,
+        TILE_WIDTH = 322,
         TILE_OFFSETS = 324,
         OLD_JPEG = 6,
         JPEG = 7,
+        CMYK = 5,
         CIE_LAB = 8,
-        ITU_LAB = 10
+        ITU_LAB = 10,
+        LOGLUV = 34676, /* and 34677 */
     };
-    uint32_t value = 0;
+    uint32_t value = 0, planar = 1;
     if (pupil_tiff_find(bytes, size, PHOTOMETRIC, &value) && value >= CIE_LAB && value <= ITU_LAB)
         return pupil_refuse(why, "is a TIFF in CIE L*a*b*, which is not read; convert it to RGB "
                                  "(convert IN.tif -colorspace sRGB OUT.tif)");
-    if (pupil_tiff_find(bytes, size, TILE_OFFSETS, &value))
+    if (pupil_tiff_find(bytes, size, PHOTOMETRIC, &value) && value == CMYK &&
+        pupil_tiff_find(bytes, size, PLANAR, &planar) && planar == 2)
+        return pupil_refuse(why, "is a TIFF of CMYK in planes, which is not read; convert it to RGB "
+                                 "(convert IN.tif -colorspace sRGB OUT.tif)");
+    if (pupil_tiff_find(bytes, size, TILE_WIDTH, &value) || pupil_tiff_find(bytes, size, TILE_OFFSETS, &value))
         return pupil_refuse(why, "is a TIFF in tiles; save it in strips, or as PNG");
     if (pupil_tiff_find(bytes, size, COMPRESSION, &value) && (value == OLD_JPEG || value == JPEG))
         return pupil_refuse(why, "is a TIFF compressed as JPEG; save it as LZW or Deflate, or as PNG");
+    if (pupil_tiff_find(bytes, size, COMPRESSION, &value) && (value == LOGLUV || value == LOGLUV + 1))
+        return pupil_refuse(why, "is a TIFF of LogLuv, which is not read; save it as Radiance or OpenEXR");
+    if (pupil_tiff_find(bytes, size, COMPRESSION, &value) && !is_compression_of_libav(value))
+        return pupil_refuse(why, "is a TIFF of compression %u, which is not read; save it as LZW or Deflate, or as PNG",
+                            value);
     return 0;
 }
 

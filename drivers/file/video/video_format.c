@@ -18,6 +18,14 @@ static int asks_to_stop(void *opaque)
     return io->stop && io->stop();
 }
 
+/* ISO/IEC 23008-12, 10.2: the first bytes of a still of HEVC, as telephones store their photographs. AVIF is read. */
+static int is_heic(AVIOContext *io)
+{
+    uint8_t head[12];
+    return avio_seek(io, 0, SEEK_SET) == 0 && avio_read(io, head, sizeof head) == (int)sizeof head &&
+           memcmp(head + 4, "ftyp", 4) == 0 && (memcmp(head + 8, "hei", 3) == 0 || memcmp(head + 8, "mif1", 4) == 0);
+}
+
 int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
@@ -34,6 +42,9 @@ int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_
     const int code = avformat_open_input(format, "", NULL, NULL);
     if (code < 0 && io->fd >= 0 && !io->read && !io->error)
         return pupil_refuse(why, "nothing came; an image or a video was expected");
+    if (code < 0 && !io->error && is_heic(io->context))
+        return pupil_refuse(why, "a HEIC picture, which the installed libav does not read; convert it first "
+                                 "(heif-convert IN.heic OUT.png)");
     if (code < 0)
         return pupil_refuse(why, "not an image or a video that can be read: %s",
                             io->error ? strerror(io->error) : pupil_libav_words(code, words));

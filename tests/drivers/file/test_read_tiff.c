@@ -95,6 +95,11 @@ static void test_kinds(void)
         const char *words; /* NULL: it is read */
     } cases[] = {{{259, SHORT, 1}, NULL},
                  {{324, LONG, 200}, "is a TIFF in tiles; save it in strips"},
+                 {{322, SHORT, 4}, "is a TIFF in tiles; save it in strips"}, /* with the offsets of strips */
+                 {{259, SHORT, 34676}, "is a TIFF of LogLuv"},
+                 {{259, SHORT, 34677}, "is a TIFF of LogLuv"},
+                 {{259, SHORT, 32809}, "is a TIFF of compression 32809, which is not read; save it as LZW"},
+                 {{259, SHORT, 0}, "is a TIFF of compression 0, which"},
                  {{259, SHORT, 6}, "is a TIFF compressed as JPEG"},
                  {{259, SHORT, 7}, "is a TIFF compressed as JPEG"},
                  {{262, SHORT, 8}, "is a TIFF in CIE L*a*b*, which is not read; convert it"},
@@ -115,6 +120,33 @@ static void test_kinds(void)
                   failed ? 0.0 : (double)((float *)still.pixels)[0]); /* code 64: TIFF 6.0 has a gamma of 2.2 */
         pupil_still_free(&still);
     }
+}
+
+/* libav takes four planes for green, blue, red and alpha. */
+static void test_cmyk(void)
+{
+    static const tag tags[] = {{256, SHORT, 4}, {257, SHORT, 2}, {258, SHORT, 8}, {259, SHORT, 1}, {262, SHORT, 5},
+                               {273, LONG, 0},  {277, SHORT, 4}, {278, SHORT, 2}, {279, LONG, 32}, {284, SHORT, 2}};
+    for (int i = 0; i < 4; i++) {
+        const tiff t = tiff_of(i % 2, tags, i < 2 ? 10 : 9);
+        pupil_still still = {.most = 1000000};
+        const int failed = pupil_read_libav(&still, t.bytes, t.size, &why);
+        CHECK_MSG(i < 2 ? failed && strstr(why.text, "is a TIFF of CMYK in planes, which is not read") : !failed, "%s",
+                  why.text);
+        pupil_still_free(&still);
+    }
+}
+
+/* LZW as it was before TIFF 6.0: libav knows it by its first two bytes. */
+static void test_old_lzw(void)
+{
+    tiff t = picture(0, (tag){259, SHORT, 5});
+    pupil_still still = {.most = 1000000};
+    t.bytes[8 + 2 + 12 * 9 + 4] = 0;
+    t.bytes[8 + 2 + 12 * 9 + 5] = 1;
+    CHECK(pupil_read_libav(&still, t.bytes, t.size, &why) == -1);
+    CHECK_MSG(strstr(why.text, "libav lacks this kind of file: Old style LZW"), "%s", why.text);
+    pupil_still_free(&still);
 }
 
 /* Each orientation: where the corner at the bottom left of the stored picture is shown. */
@@ -202,6 +234,8 @@ int main(int argc, char **argv)
     scratch_begin();
     test_find();
     test_kinds();
+    test_cmyk();
+    test_old_lzw();
     test_upright();
     test_exif_in_chunks();
     test_of_video();

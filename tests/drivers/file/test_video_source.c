@@ -107,6 +107,7 @@ static void test_refusals(void)
     static const struct {
         const char *name, *text, *said;
     } files[] = {
+        {"photo.heic", "\1\1\1\030ftypheic\1\1\1\1mif1heic and no more than that", "a HEIC picture, which the"},
         {"text.mp4", "just a line of text, and another one\n", "not an image or a video"},
         {"empty.mkv", "", "empty file"},
         {"list.m3u8", "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\ntimes.mkv\n#EXT-X-ENDLIST\n", ""},
