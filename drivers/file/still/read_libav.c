@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "file/video/video_source.h"
+#include "icc.h"
 #include "refuse.h"
 #include "still_private.h"
 #include "tiff_tags.h"
@@ -97,7 +98,9 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     if (failed)
         refuse_words(bytes, size, words.text, why);
     else
-        failed = take(still, &frame.image, why) || pupil_still_make_upright(still, bytes, size, why);
+        failed = take(still, &frame.image, why) ||
+                 pupil_icc_apply(bytes, size, still->pixels, (uint64_t)still->width * still->height, why) ||
+                 pupil_still_make_upright(still, bytes, size, why);
     pupil_source_close(source);
     return failed ? -1 : 0;
 }

@@ -28,7 +28,8 @@
  * - DNG, of a mosaic or linear, and the raw files of cameras (NEF, CR2, CR3, ARW, RAF, ORF, RW2 ...), through LibRaw:
  *   demosaiced, balanced as the camera was set, 0 at black and 1 at white, upright. Exposure time and ISO are not
  *   divided out.
- * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h).
+ * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), and by the ICC
+ *   profile of JPEG, TIFF and WebP (icc.h): telephones store P3.
  *
  * JPEG, TIFF, PNG and WebP come upright by their orientation (Exif), unless as_stored.
  *

@@ -117,6 +117,30 @@ void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colo
     }
 }
 
+int pupil_still_colour_from_icc(const double to_xyz[9], pupil_still_colour *colour)
+{
+    static const double d50[2] = {0.34570, 0.35854}; /* ICC.1:2010, 7.2.16 */
+    double standard[9], from_xyz[9], adapt[9], step[9], matrix[9];
+    rgb_to_xyz(&rec709, standard);
+    invert(standard, from_xyz);
+    adapt_white(d50, adapt);
+    multiply(adapt, to_xyz, step);
+    multiply(from_xyz, step, matrix);
+    memset(colour, 0, sizeof *colour);
+    memcpy(colour->luminance, to_xyz + 3, sizeof colour->luminance);
+    for (int r = 0; r < 3; r++) {
+        const double white = matrix[3 * r] + matrix[3 * r + 1] + matrix[3 * r + 2];
+        if (!(fabs(white - 1) < 0.05))
+            return 0;
+        for (int i = 3 * r; i < 3 * r + 3; i++) { /* white is white: the profile's numbers are rounded */
+            colour->to_709[i] = (float)(matrix[i] / white);
+            if (fabs(matrix[i] / white - (i % 4 == 0)) > IDENTITY_TOLERANCE)
+                colour->convert = 1;
+        }
+    }
+    return 1;
+}
+
 void pupil_still_colour_from_xyz(pupil_still_colour *colour)
 {
     double standard[9], from_xyz[9];

@@ -32,6 +32,10 @@ void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colo
 /* That of CIE XYZ whose white is D65's, at Y = 1. */
 void pupil_still_colour_from_xyz(pupil_still_colour *colour);
 
+/* That of primaries which are the columns of a matrix to XYZ under D50, as profiles have them. 0: they do not make
+ * white. */
+int pupil_still_colour_from_icc(const double to_xyz[9], pupil_still_colour *colour);
+
 /* Converts RGB float pixels in place; nothing where there is nothing to do. */
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels);
 
