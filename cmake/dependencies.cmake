@@ -73,7 +73,7 @@ if(PUPIL_PROGRAM)
     pupil_needs(MEDIA LIBAV "libavformat-dev libavcodec-dev libavutil-dev"
       libavformat>=59 libavcodec>=59 libavutil>=57)
     pupil_needs(MEDIA CJSON libcjson-dev libcjson)
-    # LibRaw: pupil_dep_LIBRAW exists if it is installed. Without it a stub says so.
+    # pupil_dep_LIBRAW and pupil_dep_LCMS exist if they are installed; else stubs are built.
     find_package(PkgConfig REQUIRED) # in this scope, too
     pkg_check_modules(PUPIL_PC_LIBRAW IMPORTED_TARGET QUIET libraw_r)
     if(PUPIL_PC_LIBRAW_FOUND)
@@ -81,6 +81,14 @@ if(PUPIL_PROGRAM)
       target_link_libraries(pupil_dep_LIBRAW INTERFACE PkgConfig::PUPIL_PC_LIBRAW)
     else()
       message(STATUS "DNG: is left out, for LibRaw is not found (on Debian: apt-get install libraw-dev)")
+    endif()
+    pkg_check_modules(PUPIL_PC_LCMS IMPORTED_TARGET QUIET lcms2)
+    if(PUPIL_PC_LCMS_FOUND)
+      add_library(pupil_dep_LCMS INTERFACE)
+      target_link_libraries(pupil_dep_LCMS INTERFACE PkgConfig::PUPIL_PC_LCMS)
+    else()
+      message(STATUS "ICC profiles are ignored, because Little CMS is not found (on Debian: apt-get install "
+        "liblcms2-dev)")
     endif()
   endif()
   add_library(pupil_dep_GPU INTERFACE)

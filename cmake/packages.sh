@@ -58,6 +58,7 @@ libavformat-dev reads and writes video files, recordings among them
 libavcodec-dev decodes and encodes video
 libavutil-dev goes with the two above
 libraw-dev reads DNG and the raw files of cameras
+liblcms2-dev reads the ICC profiles of pictures
 libcjson-dev writes statistics as JSON, and what a recording says of its frames
 libegl-dev makes contexts of OpenGL ES without a window
 libgles-dev the headers of OpenGL ES

@@ -30,7 +30,7 @@ PUPIL_CONF_OPTS = \
 
 PUPIL_DEPENDENCIES = host-pkgconf
 ifeq ($(BR2_PACKAGE_PUPIL_MEDIA),y)
-PUPIL_DEPENDENCIES += cjson ffmpeg libpng openexr $(if $(BR2_PACKAGE_LIBRAW),libraw)
+PUPIL_DEPENDENCIES += cjson ffmpeg libpng openexr $(if $(BR2_PACKAGE_LCMS2),lcms2) $(if $(BR2_PACKAGE_LIBRAW),libraw)
 endif
 ifeq ($(BR2_PACKAGE_PUPIL_GPU),y)
 PUPIL_DEPENDENCIES += libegl libgles sdl2

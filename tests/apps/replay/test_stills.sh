@@ -97,7 +97,8 @@ names, at, table = (b"rXYZ", b"gXYZ", b"bXYZ", b"rTRC", b"gTRC", b"bTRC"), 132 +
 for name, one in zip(names, data):
     table += name + struct.pack(">II", at, len(one))
     at += len(one)
-profile = bytes(12) + b"mntrRGB XYZ " + bytes(12) + b"acsp" + bytes(88) + struct.pack(">I", 6) + table + b"".join(data)
+profile = b"mntrRGB XYZ " + bytes(12) + b"acsp" + bytes(88) + struct.pack(">I", 6) + table + b"".join(data)
+profile = struct.pack(">I", len(profile) + 12) + bytes(8) + profile
 open("icc", "wb").write(b"\xff\xe2" + struct.pack(">H", len(profile) + 16) + b"ICC_PROFILE\0\1\1" + profile)
 END
 ffmpeg -v error -nostdin -f lavfi -i "color=gray:s=16x16" -frames:v 1 -q:v 1 grey.jpg

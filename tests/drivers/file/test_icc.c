@@ -82,6 +82,8 @@ static text profile_of(const double xyz[9], const curve *c)
     }
     memcpy(t.at + t.size, tail.at, tail.size);
     t.size += tail.size;
+    for (int i = 0; i < 4; i++)
+        t.at[i] = (uint8_t)(t.size >> (24 - 8 * i));
     return t;
 }
 
@@ -184,7 +186,7 @@ static void test_left_out(void)
     for (size_t k = 0; k < 7; k++) {
         text profile = profile_of(k == 0 ? none : p3, k >= 1 && k <= 4 ? &wrong[k - 1] : &of_srgb);
         if (k == 4)
-            profile.at[132 + 12 * 3 + 8 + 3] = 13; /* a table that the tag's length cuts */
+            profile.at[132 + 12 * 3 + 4] = 0x7f; /* a curve beyond the end */
         if (k == 5)
             memcpy(profile.at + 16, "CMYK", 4);
         text file = file_of(&profile, IN_JPEG);
