@@ -178,7 +178,7 @@ const option_row frame_exposure_rows[FRAME_EXPOSURE_ROWS] = {
     {"meter-rows", 0, OPTION_CHOICE, "1|2|4|8", 0, .initial = "1", .parse = parse_meter_rows,
      .help = "meter one of each N rows", .more = "Another row of them in each frame. For machines that are too slow."},
     {"eye", 0, OPTION_NUMBER, "CD_M2", 0, .parse = parse_eye, .low = 1e-6, .high = 1e9,
-     .right = "cd/m2 of light of 1, from 1e-6 to 1e9", .help = "adapt as an eye does",
+     .right = "cd/m2 of light of 1, from 1e-6 to 1e9", .help = "adapt like an eye",
      .more = "CD_M2 is the luminance of light of 1. Cones and rods with their own times, bleached pigments that take "
              "minutes in the dark, and colours that "
              "fade at night: docs/numerics.md. 100 for PQ."},
@@ -231,9 +231,10 @@ const option_row frame_mapping_rows[FRAME_MAPPING_ROWS] = {
          "without GL_EXT_color_buffer_half_float needs --white none or a number there, and no --trim or --tone."},
     {"threads", 0, OPTION_COUNT32, "N", AT(threads), .initial = "0", .high = 256,
      .help = "worker threads, 0: one a processor", .more = "The result has the same bits with any number."},
-    {"dither", 0, OPTION_CHOICE, "off|on", AT(dither), .low = 1, .help = "ordered dither of 8-bit output",
-     .more = "A pattern of 8 x 8 pixels, so that smooth ramps show no bands. Without this option it is on in windows "
-             "and where every --out is a video, but not with --report, which measures codes."},
+    {"dither", 0, OPTION_CHOICE, "off|on", AT(dither), .low = 1, .help = "of 8 bits",
+     .more =
+         "Ordered dither of 8 x 8 pixels, so that smooth ramps show no bands. Without this option it is on in windows "
+         "and where every --out is a video, but not with --report, which measures codes."},
 };
 
 _Static_assert(PUPIL_CURVE_NORMALISE == 1 && PUPIL_CURVE_COUNT == 5 && PUPIL_ORDER_FUSED == 1 &&

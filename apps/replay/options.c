@@ -41,10 +41,10 @@ static const option_row frame_rows[] = {
     {"reset-each", 0, OPTION_FLAG, NULL, AT(reset_each), .help = "adapt to each input frame alone",
      .more = "For unrelated pictures. -o FOLDER then has them by the names of the stills, each of its own size."},
     {"max-pixels", 0, OPTION_COUNT, "N", AT(source.max_pixels), .low = 1, .high = 0x1p26, .unit = "a number of pixels",
-     .help = "refuse larger frames",
+     .help = "largest frame",
      .more =
-         "67108864 (8192x8192) by default, of stills of over 4194304 pixels at most 256 for each byte of the file: a "
-         "small file cannot take much memory. A number given here counts alone."},
+         "Frames of more pixels are refused. 67108864 (8192x8192) by default, of stills of over 4194304 pixels at most "
+         "256 for each byte of the file: a small file cannot take much memory. A number given here counts alone."},
     {"explain", 0, OPTION_COUNT, "N", AT(explain), .high = 0x1p40, .unit = "a frame's number",
      .help = "why frame N is as bright as it is, in words",
      .more =

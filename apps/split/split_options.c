@@ -69,7 +69,7 @@ static const option_row input_rows[] = {
      .help = "of stills, raw, pan and synth (30)", .more = "The same for pupil meter and pupil map."},
     {"size", 0, OPTION_SIZE, "WxH", AT(frames.source.width), .high = PUPIL_MAX_SIDE_PX, .help = "of pan and synth"},
     {"max-pixels", 0, OPTION_COUNT, "N", AT(frames.source.max_pixels), .low = 1, .high = 0x1p26,
-     .unit = "a number of pixels", .help = "refuse larger frames", .more = "As of pupil replay."},
+     .unit = "a number of pixels", .help = "largest frame", .more = "As of pupil replay."},
 };
 
 static const option_group meter_groups[] = {
