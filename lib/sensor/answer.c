@@ -38,7 +38,6 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
     s->jump_ev = 0.0;
-    o->white.highest = -SENSOR_FAR_AWAY;
     o->black.wrong = 0;
     o->black.darkest = 0.0;
     pupil_sensor_forget_points(s);
@@ -185,9 +184,7 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
     if (is_large && !is_on_its_way) {
         judge_answer(o, v);
         agree(o);
-    } else if (is_large) {
-        pupil_sensor_watch_white(o, v);
-    } else if (!is_on_its_way && v->is_number) {
+    } else if (!is_large && !is_on_its_way && v->is_number) {
         watch_small(o);
     }
 }

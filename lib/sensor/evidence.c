@@ -131,31 +131,19 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *o, double mean, d
     find_orders(o, 0, v, -SENSOR_FAR_AWAY);
 }
 
-/* Light above what was taken for white shows that it is none, now and later: a companded picture is flat below its
- * bend.
- */
+/* Light above what was taken for white shows that it is none. */
 void pupil_sensor_white_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;
-    w->highest = v->top > w->highest ? v->top : w->highest;
-    w->is_found &= w->highest <= w->level + SENSOR_STUCK_EV;
+    w->is_found &= v->top <= w->level + SENSOR_STUCK_EV;
 }
 
 /* A flat top that stays where it is while the setting moves is white. */
 void pupil_sensor_find_white(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;
-    if (v->spike <= 0.0 || !is_bright(&o->config, v->top) || v->top < w->highest - SENSOR_STUCK_EV)
-        return;
-    if (size_of(v->top - w->top) < SENSOR_STUCK_EV) {
+    if (v->spike > 0.0 && is_bright(&o->config, v->top) && size_of(v->top - w->top) < SENSOR_STUCK_EV) {
         w->level = v->top;
         w->is_found = 1;
     }
-}
-
-/* Where the top moves before the setting does, light moves: at the end of the step it may be where it was by chance. */
-void pupil_sensor_watch_white(pupil_sensor_object *o, const sensor_evidence *v)
-{
-    if (size_of(v->top - o->white.top) > SENSOR_WHITE_EV)
-        o->white.top = SENSOR_FAR_AWAY;
 }

@@ -43,9 +43,8 @@ typedef struct sensor_evidence {
 
 /* Where the picture is full, if that is below what the configuration says. */
 typedef struct sensor_white {
-    double level;   /* found; 0 or above: not */
-    double top;     /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
-    double highest; /* top of any frame since the camera was doubted */
+    double level; /* found; 0 or above: not */
+    double top;   /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
     uint32_t is_found;
     uint32_t reserved;
 } sensor_white;
@@ -242,9 +241,6 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *object, double me
 /* What each frame says against the white that was found; and the white that the frame after a large step shows. */
 void pupil_sensor_white_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence *evidence);
-
-/* A frame while a large step is on its way. */
-void pupil_sensor_watch_white(pupil_sensor_object *object, const sensor_evidence *evidence);
 
 /* black_level.c: what each frame says against it; before and after a step of `ev` stops. */
 void pupil_sensor_black_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
