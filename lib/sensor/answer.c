@@ -38,7 +38,6 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
     s->jump_ev = 0.0;
-    o->black.wrong = 0;
     o->black.darkest = 0.0;
     pupil_sensor_forget_points(s);
     pupil_sensor_doubt(o);
@@ -63,7 +62,6 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     sensor_estimate *a = &o->estimate;
     const double expected = pupil_sensor_effect(a, s->from, a->requested), seen = a->effect - s->effect_from;
     const double plain = a->requested[0] - s->from[0] + a->requested[1] - s->from[1], share = seen / expected;
-    const int had_black = o->black.value > 0.0;
     s->is_large = 0;
     if (finds_black(o, v, plain))
         return; /* the step was asked for by another level */
@@ -79,8 +77,6 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
                         ? s->unanswered + (s->unanswered < SENSOR_UNANSWERED_MOST)
                         : 0;
     s->deaf = s->unanswered ? s->deaf + (s->deaf < 2) : 0;
-    if (had_black)
-        pupil_sensor_test_black(o, is_wrong);
     if (is_wrong && !s->is_searching)
         pupil_sensor_begin_search(o, o->plan.wanted - a->effect);
     const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */

@@ -53,10 +53,8 @@ static int is_one_level(const sensor_black *b, const sensor_evidence *v, double 
 void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
 {
     sensor_black *b = &o->black;
-    const int is_still = pupil_sensor_unrest(&o->estimate) < SENSOR_STRAIGHT * size_of(ev);
-    const int is_clear = o->config.linear && b->wrong < 2 && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
-                         is_still && size_of(ev) >= SENSOR_BLACK_STEP_EV &&
-                         v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
+    const int is_clear = o->config.linear && is_known(v) && b->before[0] > -SENSOR_FAR_AWAY &&
+                         size_of(ev) >= SENSOR_BLACK_STEP_EV && v->rank[1] > v->rank[0] + SENSOR_BLACK_SPREAD_EV;
     double value[SENSOR_RANKS];
     if (!is_clear)
         return;
@@ -71,15 +69,6 @@ void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, d
     if (is_again)
         b->value = value[0];
     else if (!is_one && size_of(value[1]) < 0.5 * b->value)
-        b->value = 0.0;
-}
-
-/* A camera whose black level is known is linear. The first step may have been asked for before it was known. */
-void pupil_sensor_test_black(pupil_sensor_object *o, int is_wrong)
-{
-    sensor_black *b = &o->black;
-    b->wrong = is_wrong ? b->wrong + 1 : 0;
-    if (b->wrong > 1)
         b->value = 0.0;
 }
 

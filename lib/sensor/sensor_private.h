@@ -55,8 +55,6 @@ typedef struct sensor_black {
     double candidate;            /* what the last step says it is */
     double darkest;              /* 2 % of a frame were once as dark as this; 0: no frame yet */
     double before[SENSOR_RANKS]; /* the ranks of the frame in which a large step was asked for */
-    uint32_t wrong;              /* steps that did not do what they should with it; at most 2 */
-    uint32_t reserved;
 } sensor_black;
 
 /* --- estimate --- */
@@ -246,8 +244,6 @@ void pupil_sensor_find_white(pupil_sensor_object *object, const sensor_evidence 
 void pupil_sensor_black_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_black_before(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_find_black(pupil_sensor_object *object, const sensor_evidence *evidence, double ev);
-/* Whether a step with it did what it should. */
-void pupil_sensor_test_black(pupil_sensor_object *object, int is_wrong);
 /* log2 of a level without what is added to it. */
 double pupil_sensor_above_black(const pupil_sensor_object *object, double level);
 
