@@ -114,8 +114,6 @@
 #define SENSOR_HIGHLIGHT_REST_EV 0.0625
 /* A level that highlights hold is not known better than by half of that bin. */
 #define SENSOR_HIGHLIGHT_DOUBT_EV 0.125
-/* By how much is not known where more than the share is clipped: at least so much. */
-#define SENSOR_HIGHLIGHT_STEP_EV 0.40
 
 /* --- estimate --- */
 

@@ -340,7 +340,6 @@ static void follow_effect(pupil_sensor_object *o, double least, double most, dou
         a->stepped += in_force(a, c, a->best[c], 0) - in_force(a, c, a->best[c], a->gap);
     a->answered = least == most ? least : 0.0;
     a->effect += redone + now->done;
-    a->scene_moved_most = most - now->done - redone;
     follow_scene(a, least == most ? least - now->done : 0.0, least == most && !changes);
 }
 

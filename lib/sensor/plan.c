@@ -33,11 +33,6 @@ static double aim_at(const pupil_sensor_object *o, double light)
     return grey + slope_of(o) * (key - grey) + c->ev_compensation;
 }
 
-static double aim_of(const pupil_sensor_object *o, double mean)
-{
-    return aim_at(o, light_of(o, mean));
-}
-
 double pupil_sensor_plan_for(const pupil_sensor_object *o, double ev)
 {
     return aim_at(o, o->plan.light + ev) - aim_at(o, o->plan.light) - slope_of(o) * ev;
@@ -49,8 +44,7 @@ static double held_back(const pupil_sensor_config *c, const sensor_evidence *v, 
     const double room = v->white - v->highlight;
     double most = room - SENSOR_HIGHLIGHT_AIM_EV;               /* the picture may become so much brighter */
     if (v->clipped_share > c->highlight_share || room <= 0.0) { /* by how much it is over is not known */
-        const double over = SENSOR_HIGHLIGHT_AIM_EV + highlight - v->white;
-        most = -(over > SENSOR_HIGHLIGHT_STEP_EV ? over : SENSOR_HIGHLIGHT_STEP_EV);
+        most = v->white - highlight - SENSOR_HIGHLIGHT_AIM_EV;
     }
     return clamp(above_effect - most, 0.0, c->highlight_ev);
 }
@@ -112,25 +106,17 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     const double plain = p->aim - v->mean;
     goal = plain;
     p->is_guess = 0;
-    p->brighter += o->estimate.scene_moved_most;
     pupil_sensor_guess(c, v, p->aim, &mean, &highlight, &lost);
     o->setting.scene_ev = v->mean - o->estimate.in_force[0] - o->estimate.in_force[1];
     if (goal < -c->far_ev) {
-        /* what is not clipped shows how much brighter it has become since the mean was a number */
-        const double most = p->known_mean + p->brighter + SENSOR_KNOWN_EV + effect - p->known_effect;
         p->is_guess = mean > v->mean;
         p->light = light_of(o, mean);
         p->aim = aim_at(o, p->light);
         goal = v->clipped_share >= SENSOR_BLIND_CLIPPED ? clamp(-blind_step(p, -1.0), -SENSOR_BLIND_EV, plain)
                                                         : p->aim + lost - mean;
-        goal = clamp(aim_of(o, most) - most, goal, plain);
-        highlight = highlight < most + p->known_over ? highlight : most + p->known_over;
         o->setting.scene_ev += mean - v->mean;
     } else if (v->is_number) {
-        p->known_mean = v->mean;
-        p->known_effect = effect;
-        p->known_over = (v->clipped_share > c->highlight_share ? highlight : v->highlight) - v->mean;
-        p->brighter = p->blind_ev = 0.0;
+        p->blind_ev = 0.0;
     }
     if (v->black_share > 0.5 && goal > blind_step(p, 1.0)) {
         goal = blind_step(p, 1.0);

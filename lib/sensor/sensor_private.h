@@ -83,7 +83,6 @@ typedef struct sensor_estimate {
     double noise_ev;                  /* of the scene, from frame to frame */
     double response[SENSOR_CONTROLS]; /* stops of the picture for a stop of the control */
     double effect;                    /* of what is in force */
-    double scene_moved_most;          /* by itself, since the frame before; what is clipped may have moved further */
     double scene_moved[SENSOR_RAMP_FRAMES]; /* by itself, as far as that is known; the latest first */
     double stepped;                         /* stops of the controls that came into force in this frame */
     double answered;                        /* ... and by how much the picture's level moved, where that is known */
@@ -124,9 +123,6 @@ typedef struct sensor_plan {
     double moved;        /* `wanted`, for the highlights in this frame */
     double far_ev;       /* the least that the last far frames were off by */
     double blind_ev;     /* of the last step from a frame that was no number, and to which side; 0: one since was */
-    double known_mean, known_effect, known_over; /* of the last frame not far too bright: its mean, its effect, and by
-                                                  * how much its highlights were above the mean */
-    double brighter;      /* the scene has become since then, at most, by the quantiles that are not clipped */
     uint32_t far_frames;  /* in a row that are far off on one side */
     uint32_t near_frames; /* since the last step from far, at most a little over SENSOR_HIGHLIGHT_FRAMES */
     uint32_t is_looking;  /* what is known is a guess: the next frame counts at once */
