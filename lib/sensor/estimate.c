@@ -202,8 +202,7 @@ static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GU
             if (left != last)
                 paid = 2.0 * (pupil_log2(1.0 + left * left * scale) - least_paid);
             last = left;
-            if (a->reports || !a->is_borne_out || (e && g)) /* a frame without metadata says nothing of them */
-                a->cost[e][g] = (float)((double)a->cost[e][g] + clamp(paid, 0.0, SENSOR_COST_FRAME));
+            a->cost[e][g] = (float)((double)a->cost[e][g] + clamp(paid, 0.0, SENSOR_COST_FRAME));
             best = (double)a->cost[e][g] < best ? (double)a->cost[e][g] : best;
         }
     }
@@ -256,23 +255,17 @@ static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 }
 
 /* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
- * stop more where its steps are coarse, or may be, as those of a camera that has to be searched; or what the metadata
- * say. */
+ * stop more where its steps are coarse, or may be, as those of a camera that has to be searched. */
 static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], const double now[SENSOR_CONTROLS],
-                      double said, double *low, double *high)
+                      double *low, double *high)
 {
     *low = *high = 0.0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        const double steep = clamp(a->response[c], 1.0, SENSOR_STEEP_MOST);
-        const double asked = now[c] - then[c], most = 2.0 * steep * asked;
+        const double asked = now[c] - then[c], most = 2.0 * asked;
         const double small = a->is_searching ? SENSOR_DIFFER_EV : SENSOR_LARGE_EV;
-        const double coarse = size_of(asked) > small ? steep * SENSOR_COARSE_STEP_EV : 0.0;
+        const double coarse = size_of(asked) > small ? SENSOR_COARSE_STEP_EV : 0.0;
         *low += asked < 0.0 ? most - coarse : 0.0;
         *high += asked > 0.0 ? most + coarse : 0.0;
-    }
-    if (*high > *low && a->reports) {
-        *low = said < *low ? said : *low;
-        *high = said > *high ? said : *high;
     }
 }
 
@@ -286,7 +279,7 @@ static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32
         then[c] = in_force(a, c, a->best[c], before + frame->gap);
         now[c] = in_force(a, c, a->best[c], before);
     }
-    bounds_of(a, then, now, frame->said, &low, &high);
+    bounds_of(a, then, now, &low, &high);
     const double expected = pupil_sensor_effect(a, then, now);
     const double known = clamp(expected, frame->least, frame->most), left = size_of(known - expected);
     const double noise = SENSOR_UNEXPLAINED_NOISE * a->noise_ev, goes_on = 2.0 * size_of(a->scene_moved[0]);
@@ -329,7 +322,6 @@ static void follow_effect(pupil_sensor_object *o, double least, double most, dou
     const double redone = is_other ? redo(a) : 0.0;
     int changes;
     *now = (sensor_past){.least = least, .most = most, .wrong_ev = wrong_ev, .gap = a->gap};
-    now->said = a->said[0] - a->said_before[0] + a->said[1] - a->said_before[1];
     now->done = done_in(a, now, 0, &a->unexplained, &changes);
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         now->reported[c] = a->reported[c];

@@ -63,7 +63,6 @@ typedef struct sensor_black {
 typedef struct sensor_past {
     double least, most, done;
     double wrong_ev; /* by how much that may be wrong */
-    double said;     /* by how much the metadata had moved */
     double reported[SENSOR_CONTROLS];
     uint32_t gap; /* since the frame before; 0: it was lost */
     uint32_t reserved;
