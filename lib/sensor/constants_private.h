@@ -194,9 +194,6 @@
  * light that blinks moves in one frame only. */
 #define SENSOR_RAMP_FRAMES 3
 #define SENSOR_RAMP_NOISE  2.0
-/* A frame that is off by less than so many times the noise is off by chance once in twenty; beyond so many times far_ev
- * it is off in any case. */
-#define SENSOR_OFF_NOISE 2.0
 /* While the first setting is looked for, all that is more than this is done at once. */
 #define SENSOR_LOOK_EV 0.02
 /* Frames after which a delay that is longer than believed is no longer waited for. */

@@ -248,8 +248,7 @@ void pupil_sensor_plan_frame(pupil_sensor_object *o, const sensor_evidence *v)
         o->setting.error_ev = goal - p->wanted;
         return;
     }
-    const double near_ev = clamp(SENSOR_OFF_NOISE * o->estimate.noise_ev, c->far_ev, SENSOR_OFF_NOISE * c->far_ev);
-    const int is_off = size_of(off) > (p->is_looking ? SENSOR_LOOK_EV : near_ev);
+    const int is_off = size_of(off) > (p->is_looking ? SENSOR_LOOK_EV : c->far_ev);
     const int is_new = is_off ? is_flash(o, off) : 0;
     p->far_frames = is_off ? p->far_frames : 0;
     const int is_far = p->is_looking ? is_off : size_of(off) > SENSOR_FAR_TIMES * c->far_ev;
