@@ -10,8 +10,6 @@
 #define SENSOR_GUESSES (SENSOR_DELAYS + 1)
 /* Settings that are remembered: twice the delays, so that frames may be lost. */
 #define SENSOR_RING 32
-/* ... of which a program loses at least so many that needs a fifth more time for a frame than the camera. */
-#define SENSOR_MANY_LOST 5
 /* Quantiles of a frame that are compared with those of the frame before. */
 #define SENSOR_ORDERS       11 /* the first is the mean */
 #define SENSOR_BRIGHT_ORDER 4  /* from the end: 0.9 */

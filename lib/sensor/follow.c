@@ -157,7 +157,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
     pupil_sensor_answer_frame(o, v);
-    if (pupil_sensor_is_in_force(o) || (s->is_searching && !pupil_sensor_is_on_its_way(o)))
+    if (!pupil_sensor_is_on_its_way(o))
         pupil_sensor_remember(o);
     const int is_still = o->config.lock || o->announced.frames;
     if (!is_still)

@@ -20,19 +20,6 @@ static uint32_t shortest_delay(const sensor_estimate *a)
     return shortest;
 }
 
-/* Where many frames are lost, the program is slow, and settings come late by more than the camera's delay: the one that
- * was found holds as long as nothing speaks against it. */
-static int is_refuted(const pupil_sensor_object *o)
-{
-    const sensor_estimate *a = &o->estimate;
-    uint32_t lost = 0;
-    if (o->setting.frames < SENSOR_RING || (a->alive[0] >> a->delay[0] & a->alive[1] >> a->delay[1] & 1))
-        return 0;
-    for (uint32_t i = 0; i < SENSOR_RING; i++)
-        lost += !a->past[i].gap;
-    return lost >= SENSOR_MANY_LOST;
-}
-
 /* Frames after which a setting is taken to be in force, with any delay. */
 uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *o)
 {
@@ -40,7 +27,7 @@ uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *o)
     const uint32_t longest = pupil_sensor_longest_delay(o), late = o->config.delay_frames + SENSOR_LATE_FRAMES;
     const uint32_t most = late > 2 * SENSOR_LATE_FRAMES ? late : 2 * SENSOR_LATE_FRAMES;
     const uint32_t known = a->delay[0] > a->delay[1] ? a->delay[0] : a->delay[1];
-    if (a->is_borne_out && known && !is_refuted(o))
+    if (a->is_borne_out && known)
         return known > o->config.delay_frames ? known : o->config.delay_frames;
     const uint32_t usual = longest < most && !is_by_metadata(a) ? longest : most, shortest = shortest_delay(a);
     return usual > shortest ? usual : shortest;
@@ -60,15 +47,6 @@ int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
     const uint32_t usual = pupil_sensor_wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
     const int is_waiting = o->search.since < usual || (is_late && o->search.looks < (usual > least ? usual : least));
     return is_waiting && !(is_there && is_by_metadata(a));
-}
-
-/* The setting that was asked for last is in force beyond doubt. */
-int pupil_sensor_is_in_force(const pupil_sensor_object *o)
-{
-    const sensor_estimate *a = &o->estimate;
-    const int is_known = is_by_metadata(a) || (a->delay[0] && a->delay[1]);
-    return !pupil_sensor_is_on_its_way(o) &&
-           (is_known || o->search.since >= o->config.delay_frames + SENSOR_LATE_FRAMES);
 }
 
 int pupil_sensor_is_pending(const pupil_sensor_object *o)

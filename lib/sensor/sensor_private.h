@@ -284,11 +284,9 @@ void pupil_sensor_plan_frame(pupil_sensor_object *object, const sensor_evidence 
 /* What a change of the light by so many stops makes of the effect that is wanted: stops more. */
 double pupil_sensor_plan_for(const pupil_sensor_object *object, double ev);
 
-/* in_force.c: the setting that was asked for last may not be in force yet; a large step of it is waited for; it is in
- * force beyond doubt. */
+/* in_force.c: the setting that was asked for last may not be in force yet; a large step of it is waited for. */
 int pupil_sensor_is_on_its_way(const pupil_sensor_object *object);
 int pupil_sensor_is_pending(const pupil_sensor_object *object);
-int pupil_sensor_is_in_force(const pupil_sensor_object *object);
 /* Frames after which it is taken to be in force, with any delay. */
 uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *object);
 /* The effect of the setting that was asked for last, once it is in force. */
