@@ -69,7 +69,6 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
     }
-    s->deaf = v->is_number ? s->deaf : 0; /* it may have answered where nothing can be seen */
     if (!v->is_number || !(size_of(expected) > SENSOR_DIFFER_EV))
         return;
     const int is_wrong = size_of(seen - expected) > SENSOR_MISMATCH_EV;
@@ -113,23 +112,6 @@ static void weigh_step(pupil_sensor_object *o, const sensor_evidence *v)
         weigh(o, asked, said, a->effect - o->search.effect_from);
 }
 
-/* After small steps the metadata say that the exposure moved by more than all that was asked for within any delay, and
- * by no more than a camera may round: whether the picture moved so, too. Where nothing was asked for, it is the
- * camera's own automatic. */
-static void weigh_frame(pupil_sensor_object *o)
-{
-    const sensor_estimate *a = &o->estimate;
-    const double said = a->said[0] - a->said_before[0];
-    double least = a->requested[0], most = least;
-    for (uint32_t i = 1; i <= SENSOR_DELAYS + 1; i++) {
-        const double asked = a->asked[(a->frame + SENSOR_RING - i) % SENSOR_RING][0];
-        least = asked < least ? asked : least;
-        most = asked > most ? asked : most;
-    }
-    if (most > least && size_of(said) > most - least && size_of(said) < SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
-        weigh(o, said < 0.0 ? least - most : most - least, said, a->answered);
-}
-
 /* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
  * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera, unless light
  * that flickers moves as far without a step. */
@@ -142,7 +124,7 @@ static void find_jump(pupil_sensor_object *o)
         s->jump_ev = 0.0;
     const double size = size_of(moved);
     if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
-        size < SENSOR_NOISE_CUT * a->noise_ev || size > 2.0 * SENSOR_COARSE_STEP_EV)
+        size > 2.0 * SENSOR_COARSE_STEP_EV)
         return;
     if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
         s->jump_ev = size;
@@ -173,8 +155,6 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
     find_jump(o);
     if (is_large && !is_on_its_way)
         weigh_step(o, v);
-    else if (!o->told.is_trusted)
-        weigh_frame(o);
     if (!is_on_its_way)
         pupil_sensor_learn_told(o);
     if (is_large && !is_on_its_way) {

@@ -130,9 +130,8 @@
 #define SENSOR_QUANTILE_NOISE_EV 0.03
 /* The least noise of the mean of a frame of still light. */
 #define SENSOR_MEAN_NOISE_EV 0.003
-/* Of a normal deviate the mean size is 0.8 sigma. A size beyond four sigma is not noise. */
+/* Of a normal deviate the mean size is 0.8 sigma. */
 #define SENSOR_SIGMA_OF_SIZE 1.25
-#define SENSOR_NOISE_CUT     4.0
 /* A frame counts as at most so many sigma: what moves a frame is more noise only where it moves many. */
 #define SENSOR_NOISE_FRAME  2.5
 #define SENSOR_NOISE_WEIGHT 0.1
