@@ -3,18 +3,15 @@
 
 #include "base/numeric.h"
 
-/* To what the camera has. What stays is asked for as it was: a camera that rounds has no line where it is. */
+/* To what the camera has. */
 static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
 {
     const pupil_sensor_config *c = &o->config;
     const double longest_s = pupil_sensor_longest_exposure(c);
-    *e = o->setting.exposure_s;
+    *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
+    *e = pupil_sensor_told_ask(o, *e);
     *g = pupil_sensor_gain_of(c, pupil_exp2(setting[1]));
-    if (setting[0] != o->estimate.requested[0]) {
-        *e = pupil_sensor_exposure_of(c, clamp(pupil_exp2(setting[0]), c->exposure_min_s, longest_s));
-        *e = pupil_sensor_told_ask(o, *e);
-        setting[0] = pupil_log2(pupil_sensor_told(o, *e));
-    }
+    setting[0] = pupil_log2(pupil_sensor_told(o, *e));
     setting[1] = pupil_log2(*g);
 }
 
@@ -52,10 +49,6 @@ int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *o, double total,
     part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
     part[larger] = setting[larger] + setting[smaller] - part[smaller];
     round_setting(o, part, e, g);
-    if (is_timed && size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* the gain makes up for few lines */
-        part[1] = setting[0] + setting[1] - part[0];
-        round_setting(o, part, e, g);
-    }
     const int moves_both = size_of(part[0] - from[0]) >= 0.5 * most_ev && size_of(part[1] - from[1]) >= 0.5 * most_ev;
     if (!moves_both || size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */
         if (is_timed || !move_one(o, total, part, e, g))
