@@ -98,14 +98,6 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
-/* What is asked for is further from what is wanted than the setting that is there, which is near: a coarse step that
- * does more than its number would be taken again and again. Not so an exposure that is tried. */
-static int is_worse(const pupil_sensor_object *o, const double setting[SENSOR_CONTROLS], double need)
-{
-    const double off = need - pupil_sensor_effect(&o->estimate, o->estimate.requested, setting);
-    return size_of(off) > size_of(need) && !pupil_sensor_told_is_open(o, pupil_exp2(setting[SENSOR_EXPOSURE]));
-}
-
 /* Much of one control in exchange for the other, for little: what an exchange misses is no more than that. */
 static int is_much_for_little(const pupil_sensor_object *o, const double setting[SENSOR_CONTROLS], double need)
 {
@@ -121,8 +113,7 @@ static int is_left_alone(const pupil_sensor_object *o, double total, double need
     double setting[SENSOR_CONTROLS];
     const int is_near = size_of(need) < SENSOR_UNPIN_EV && o->plan.beyond == 0.0;
     (void)pupil_sensor_effect_of(o, total, setting);
-    return is_near && !o->search.is_exchanging && !o->search.is_searching &&
-           (is_worse(o, setting, need) || is_much_for_little(o, setting, need));
+    return is_near && !o->search.is_exchanging && !o->search.is_searching && is_much_for_little(o, setting, need);
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)

@@ -271,8 +271,6 @@ void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CO
 double pupil_sensor_told(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_probe(const pupil_sensor_object *object, double exposure_s);
-/* Something was tried, and what becomes of this one is not known. */
-int pupil_sensor_told_is_open(const pupil_sensor_object *object, double exposure_s);
 /* A large step is in force: its stops as they were asked for, by the metadata, and as seen in the picture. */
 void pupil_sensor_weigh_told(pupil_sensor_object *object, double asked, double told, double seen);
 /* What was asked for is in force. */

@@ -77,11 +77,6 @@ static const sensor_told_range *likely_range_of(const pupil_sensor_object *o, do
     return found;
 }
 
-int pupil_sensor_told_is_open(const pupil_sensor_object *o, double exposure_s)
-{
-    return o->told.count && !likely_range_of(o, exposure_s);
-}
-
 double pupil_sensor_told(const pupil_sensor_object *o, double exposure_s)
 {
     const sensor_told_range *r = likely_range_of(o, exposure_s);
