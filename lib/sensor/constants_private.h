@@ -202,8 +202,6 @@
 #define SENSOR_GAP_EV   0.06
 #define SENSOR_OFF_EV   0.1  /* the promise for what is shown */
 #define SENSOR_WRONG_EV 0.25 /* the promise for the sensor */
-/* Frames after which a point of a search is not believed any more. */
-#define SENSOR_POINT_FRAMES 90
 /* The error has not shrunk where it is not this share smaller. */
 #define SENSOR_SHRINK 0.7
 /* Frames, beyond the wait, after which an error that does not shrink shows that what was learned is wrong;

@@ -59,7 +59,7 @@ static void report_total(pupil_sensor_object *o)
     t->limits = pupil_sensor_limits(o);
 }
 
-/* Another frame: what was seen gets older, and another light makes some of it worthless. */
+/* Another frame: another light makes some of what was seen worthless. */
 void pupil_sensor_count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -68,10 +68,6 @@ void pupil_sensor_count_frame(pupil_sensor_object *o)
     s->looks += s->looks < SENSOR_RING;
     if (o->setting.frames == 1 && (a->in_force[0] != a->requested[0] || a->in_force[1] != a->requested[1]))
         s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
-    for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
-        p->age += a->gap;
-        p->is_used &= p->age < SENSOR_POINT_FRAMES;
-    }
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
         s->is_blunt = s->swaps = s->narrowed = 0;
         s->blunt_wanted = o->plan.wanted;

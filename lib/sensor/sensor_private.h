@@ -135,8 +135,8 @@ typedef struct sensor_point {
     double total; /* asked for, log2 */
     double setting[SENSOR_CONTROLS];
     double effect;
-    uint32_t age; /* frames */
     uint32_t is_used;
+    uint32_t reserved;
 } sensor_point;
 
 /* What became of the exposures that were asked for: told.c. */
