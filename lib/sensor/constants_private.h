@@ -213,8 +213,6 @@
 #define SENSOR_UNANSWERED_MOST 4
 /* A pinned control is free again at the next large change of light after so many frames. */
 #define SENSOR_PINNED_FRAMES 300
-/* Where another control can do the rest, a search gives up on a control after so many steps between two points. */
-#define SENSOR_NARROWED 3
 /* A search changes the control that moves at most so often. */
 #define SENSOR_SWAPS 3
 /* Nothing settles further off than this: a pinned control is let go. */

@@ -69,7 +69,7 @@ void pupil_sensor_count_frame(pupil_sensor_object *o)
     if (o->setting.frames == 1 && (a->in_force[0] != a->requested[0] || a->in_force[1] != a->requested[1]))
         s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
-        s->is_blunt = s->swaps = s->narrowed = 0;
+        s->is_blunt = s->swaps = 0;
         s->blunt_wanted = o->plan.wanted;
     }
 }

@@ -134,7 +134,7 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
         return;
     }
     s->is_searching = 1;
-    s->swaps = s->narrowed = 0;
+    s->swaps = 0;
     const int may_gain = may_do(o, SENSOR_GAIN, requested, need),
               has_both = may_gain || may_do(o, SENSOR_EXPOSURE, requested, need);
     if (has_both ? may_gain : has_room(o, SENSOR_GAIN, requested, need))
@@ -163,7 +163,6 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
     const double total = from->setting[0] + from->setting[1] + wanted - from->effect;
     move_only(o, other, from->setting);
     s->swaps++;
-    s->narrowed = 0;
     s->total = total;
     return 1;
 }
@@ -194,17 +193,14 @@ static double narrow(pupil_sensor_object *o, const sensor_point *low, const sens
     const int is_flat = flat_ev(o, low) > SENSOR_GAP_EV || flat_ev(o, high) > SENSOR_GAP_EV;
     const double middle = low->total + gap * (is_flat ? 0.5 : clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW));
     const int is_end = is_closed(o, low, high, middle);
-    const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
-    const int is_off = !is_near(o, wanted - near->effect), is_step = is_end || is_jump(low, high);
-    if (is_off && (is_step || s->narrowed >= SENSOR_NARROWED) && swap(o, low, high))
+    if ((is_end || is_jump(low, high)) && swap(o, low, high))
         return s->total;
-    if (is_end || !is_off) {
-        (void)rest_at(o, near->total, wanted - near->effect);
-        s->step_ev = is_step && step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
-        return near->total;
-    }
-    s->narrowed++;
-    return middle;
+    if (!is_end)
+        return middle;
+    const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
+    (void)rest_at(o, near->total, wanted - near->effect);
+    s->step_ev = step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
+    return near->total;
 }
 
 /* All that was seen is on one side: further by what is wanted, and twice as far where settings did nothing. */
@@ -229,19 +225,14 @@ static int is_requested(const pupil_sensor_object *o, double total)
 static double leave(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
-    const double *requested = o->estimate.requested, wanted = o->plan.wanted;
+    const double *requested = o->estimate.requested;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
     if (is_one && s->swaps < SENSOR_SWAPS && may_do(o, other, requested, need)) {
         move_only(o, other, requested);
         s->swaps++;
-        s->narrowed = 0;
         return requested[0] + requested[1] + need;
     }
-    const sensor_point now = {.total = s->set, .effect = wanted - need}, *best = &now;
-    for (const sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++)
-        if (p->is_used && size_of(wanted - p->effect) < size_of(wanted - best->effect))
-            best = p;
-    return rest_at(o, best->total, wanted - best->effect);
+    return rest_at(o, s->set, need);
 }
 
 /* The control that moves is at its end. */

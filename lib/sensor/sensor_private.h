@@ -161,7 +161,6 @@ typedef struct sensor_search {
     uint32_t mover; /* the control that is not */
     uint32_t swaps; /* of it, in this search */
     uint32_t pinned_frames;
-    uint32_t narrowed;   /* steps between two points since then */
     double rest_wanted;  /* the effect that was wanted when the search ended, or a control was pinned */
     double step_ev;      /* between the two settings of which a search ended at one, if none is between; else 0 */
     double rest_ev;      /* what the best setting of a search that ended lacks */
