@@ -15,7 +15,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
     const double other_light = size_of(o->plan.wanted - s->wrong_wanted);
     const double half_ev = s->is_resting ? 0.5 * s->step_ev : 0.0;
-    const double right_ev = (half_ev > SENSOR_WRONG_EV ? half_ev : SENSOR_WRONG_EV) + pupil_sensor_doubt_ev(o);
+    const double right_ev = larger(half_ev, SENSOR_WRONG_EV) + pupil_sensor_doubt_ev(o);
     if (other_light > SENSOR_UNPIN_EV || (size < right_ev && !s->is_searching))
         s->wrong_times = 0;
     if (other_light > SENSOR_WRONG_EV) {
@@ -87,29 +87,23 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
-/* What a step did, by the request and by the metadata, and as it was seen. What was looked for may be known now. */
-static void weigh(pupil_sensor_object *o, double asked, double said, double seen)
+/* A large step is in force: whether the metadata say better than the request what it did. Then what is searched for is
+ * known. */
+static void weigh_step(pupil_sensor_object *o)
 {
+    const sensor_estimate *a = &o->estimate;
     sensor_search *s = &o->search;
     const uint32_t was = o->told.is_trusted;
-    pupil_sensor_weigh_told(o, asked, said, seen);
+    double asked = 0.0, said = 0.0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        asked += a->requested[c] - s->from[c];
+        said += a->said[c] - o->told.said_before[c];
+    }
+    pupil_sensor_weigh_told(o, asked, said, a->effect - s->effect_from);
     if (!was && o->told.is_trusted) {
         s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = s->swaps = 0;
         pupil_sensor_forget_points(s);
     }
-}
-
-/* A large step is in force: whether the metadata say better than the request what it did. */
-static void weigh_step(pupil_sensor_object *o, const sensor_evidence *v)
-{
-    const sensor_estimate *a = &o->estimate;
-    double asked = 0.0, said = 0.0;
-    for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        asked += a->requested[c] - o->search.from[c];
-        said += a->said[c] - o->told.said_before[c];
-    }
-    if (v->is_number)
-        weigh(o, asked, said, a->effect - o->search.effect_from);
 }
 
 /* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
@@ -153,8 +147,8 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const int is_large = o->search.is_large, is_on_its_way = pupil_sensor_is_on_its_way(o);
     find_jump(o);
-    if (is_large && !is_on_its_way)
-        weigh_step(o, v);
+    if (is_large && !is_on_its_way && v->is_number)
+        weigh_step(o);
     if (!is_on_its_way)
         pupil_sensor_learn_told(o);
     if (is_large && !is_on_its_way) {

@@ -26,7 +26,7 @@ void pupil_sensor_black_frame(pupil_sensor_object *o, const sensor_evidence *v)
     const double dark = pupil_exp2(v->rank[0]);
     if (!(v->rank[0] > -SENSOR_FAR_AWAY))
         return;
-    b->darkest = b->darkest > 0.0 && b->darkest < dark ? b->darkest : dark;
+    b->darkest = b->darkest > 0.0 ? smaller(b->darkest, dark) : dark;
     if (b->darkest < SENSOR_BLACK_NOISE * b->value)
         b->value = 0.0;
 }
@@ -43,8 +43,8 @@ static int is_one_level(const sensor_black *b, const sensor_evidence *v, double 
     double least = SENSOR_FAR_AWAY, most = -SENSOR_FAR_AWAY;
     for (int i = 0; i < SENSOR_RANKS; i++) {
         value[i] = fixed_value(b->before[i], v->rank[i], ev);
-        least = value[i] < least ? value[i] : least;
-        most = value[i] > most ? value[i] : most;
+        least = smaller(value[i], least);
+        most = larger(value[i], most);
     }
     return most - least < SENSOR_BLACK_ALIKE * most && least > SENSOR_BLACK_SHARE * pupil_exp2(v->rank[1]) &&
            b->darkest >= SENSOR_BLACK_NOISE * value[0];

@@ -36,7 +36,7 @@ static double share_above(double z)
 void pupil_sensor_guess(const pupil_sensor_config *config, const sensor_evidence *v, double wanted, double *mean,
                         double *highlight, double *lost)
 {
-    const double c = v->clipped_share < SENSOR_CLIPPED_MOST ? v->clipped_share : SENSOR_CLIPPED_MOST;
+    const double c = smaller(v->clipped_share, SENSOR_CLIPPED_MOST);
     *mean = v->mean;
     *highlight = v->white;
     *lost = 0.0;

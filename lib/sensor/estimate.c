@@ -66,8 +66,8 @@ static double moved(const sensor_estimate *a, const sensor_evidence *v, double *
             *least = *most = low;
             return i > 0 ? 2.0 * SENSOR_KNOWN_EV : 0.0;
         }
-        *least = low > *least ? low : *least;
-        *most = high < *most ? high : *most;
+        *least = larger(low, *least);
+        *most = smaller(high, *most);
     }
     if (*least > *most)
         *least = *most = 0.5 * (*least + *most);
@@ -101,7 +101,7 @@ static void read_control(pupil_sensor_object *o, int c)
         const double asked = in_force(a, c, h, 0), off = size_of(a->said[c] - a->unit[c] - asked);
         is_still &= asked == a->requested[c];
         like = off < nearest ? asked : like;
-        nearest = off < nearest ? off : nearest;
+        nearest = smaller(off, nearest);
     }
     a->reported_before[c] = a->reported[c];
     if (!is_possible(&o->config, c, like)) { /* the unit was that of a control that did not do what it was asked */
@@ -161,7 +161,7 @@ static double left_over(const pupil_sensor_object *o, double effect, double leas
     const int is_known = o->estimate.learned || o->config.linear;
     const double few = effect * (is_known ? SENSOR_KNOWN_LEAST : SENSOR_STEEP_LEAST),
                  many = effect * (is_known ? SENSOR_KNOWN_MOST : SENSOR_STEEP_MOST);
-    const double low = few < many ? few : many, high = few < many ? many : few;
+    const double low = smaller(few, many), high = larger(few, many);
     return high < least ? least - high : low > most ? low - most : 0.0;
 }
 
@@ -186,13 +186,13 @@ static void limit_costs(sensor_estimate *a, double best)
 static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GUESSES], double least, double most)
 {
     sensor_estimate *a = &o->estimate;
-    const double noise_ev = a->noise_ev > SENSOR_QUANTILE_NOISE_EV ? a->noise_ev : SENSOR_QUANTILE_NOISE_EV;
+    const double noise_ev = larger(a->noise_ev, SENSOR_QUANTILE_NOISE_EV);
     const double scale = 1.0 / (SENSOR_COST_DEGREE * noise_ev * noise_ev);
     double best = SENSOR_FAR_AWAY, least_left = SENSOR_FAR_AWAY;
     for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
             const double left = left_over(o, step[0][e] + step[1][g], least, most);
-            least_left = left < least_left ? left : least_left;
+            least_left = smaller(left, least_left);
         }
     const double least_paid = pupil_log2(1.0 + least_left * least_left * scale);
     for (uint32_t e = 0; e < SENSOR_GUESSES; e++) {
@@ -250,8 +250,8 @@ static void follow_scene(sensor_estimate *a, double moved, int is_clear)
     a->scene_moved[0] = moved;
     if (!is_clear)
         return;
-    a->noise_ev += SENSOR_NOISE_WEIGHT * ((size < cut ? size : cut) - a->noise_ev);
-    a->noise_ev = a->noise_ev > SENSOR_MEAN_NOISE_EV ? a->noise_ev : SENSOR_MEAN_NOISE_EV;
+    a->noise_ev += SENSOR_NOISE_WEIGHT * (smaller(size, cut) - a->noise_ev);
+    a->noise_ev = larger(a->noise_ev, SENSOR_MEAN_NOISE_EV);
 }
 
 /* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
@@ -283,9 +283,9 @@ static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32
     const double expected = pupil_sensor_effect(a, then, now);
     const double known = clamp(expected, frame->least, frame->most), left = size_of(known - expected);
     const double noise = SENSOR_UNEXPLAINED_NOISE * a->noise_ev, goes_on = 2.0 * size_of(a->scene_moved[0]);
-    const double most_usual = noise > goes_on ? noise : goes_on;
-    const double seen = frame->wrong_ev > SENSOR_UNEXPLAINED_EV ? frame->wrong_ev : SENSOR_UNEXPLAINED_EV;
-    const double slack = most_usual > seen ? most_usual : seen;
+    const double most_usual = larger(noise, goes_on);
+    const double seen = larger(frame->wrong_ev, SENSOR_UNEXPLAINED_EV);
+    const double slack = larger(most_usual, seen);
     *changes = high - low > 2.0 * SENSOR_DIFFER_EV;
     const int is_camera = known > low - slack && known < high + slack;
     const double done = *changes && left > slack && is_camera ? known : expected;
@@ -363,7 +363,7 @@ static double least_cost(const sensor_estimate *a, int control, uint32_t guess)
     double least = SENSOR_FAR_AWAY;
     for (uint32_t other = 1; other < SENSOR_GUESSES; other++) {
         const double cost = (double)(control ? a->cost[other][guess] : a->cost[guess][other]);
-        least = cost < least ? cost : least;
+        least = smaller(cost, least);
     }
     return least;
 }
@@ -382,7 +382,7 @@ static __attribute__((noinline)) uint32_t delay_of(const pupil_sensor_object *o,
         }
     for (uint32_t h = 1; h < SENSOR_GUESSES; h++) {
         const double cost = least_cost(a, control, h) - (h > o->config.delay_frames ? SENSOR_COST_PRIOR : 0.0);
-        second = h != delay && cost < second ? cost : second;
+        second = h != delay ? smaller(cost, second) : second;
     }
     if (second - best >= SENSOR_COST_PRIOR)
         return delay;
@@ -495,12 +495,12 @@ double pupil_sensor_unrest(const sensor_estimate *a)
 {
     double most = 0.0;
     for (int i = 0; i < SENSOR_RAMP_FRAMES; i++)
-        most = size_of(a->scene_moved[i]) > most ? size_of(a->scene_moved[i]) : most;
+        most = larger(size_of(a->scene_moved[i]), most);
     return most;
 }
 
 void pupil_sensor_overshot(sensor_estimate *a)
 {
     for (int c = 0; c < SENSOR_CONTROLS; c++)
-        a->response[c] = a->response[c] < 1.0 ? 1.0 : a->response[c];
+        a->response[c] = larger(a->response[c], 1.0);
 }

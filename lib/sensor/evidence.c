@@ -87,7 +87,7 @@ static void find_orders(const pupil_sensor_object *o, const pupil_stats *stats, 
         const double below = is_mean ? SENSOR_MEAN_MARGIN : order_share[i] - SENSOR_ORDER_MARGIN;
         const int is_black = v->black_share > below || (stats && value < dark);
         v->low[i] = is_black ? -SENSOR_FAR_AWAY : value;
-        v->high[i] = v->full_share > above ? SENSOR_FAR_AWAY : is_black && value < dark ? dark : value;
+        v->high[i] = v->full_share > above ? SENSOR_FAR_AWAY : is_black ? larger(value, dark) : value;
     }
 }
 

@@ -41,13 +41,13 @@ int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *o, double total,
     const int is_timed = o->estimate.is_borne_out || (o->estimate.delay[0] && o->estimate.delay[1]);
     const double most_ev = is_timed ? SENSOR_EXCHANGE_EV : SENSOR_BLIND_EXCHANGE_EV;
     const double move[SENSOR_CONTROLS] = {setting[0] - from[0], setting[1] - from[1]};
-    const int smaller = size_of(move[0]) < size_of(move[1]) ? 0 : 1, larger = SENSOR_CONTROLS - 1 - smaller;
+    const int minor = size_of(move[0]) < size_of(move[1]) ? 0 : 1, major = SENSOR_CONTROLS - 1 - minor;
     /* a gain that is held does not move */
-    if (move[0] * move[1] >= 0.0 || size_of(move[smaller]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO)
+    if (move[0] * move[1] >= 0.0 || size_of(move[minor]) <= most_ev || c->exposure_mode != PUPIL_SENSOR_AUTO)
         return 0;
     double part[SENSOR_CONTROLS];
-    part[smaller] = from[smaller] + (move[smaller] > 0.0 ? most_ev : -most_ev);
-    part[larger] = setting[larger] + setting[smaller] - part[smaller];
+    part[minor] = from[minor] + (move[minor] > 0.0 ? most_ev : -most_ev);
+    part[major] = setting[major] + setting[minor] - part[minor];
     round_setting(o, part, e, g);
     const int moves_both = size_of(part[0] - from[0]) >= 0.5 * most_ev && size_of(part[1] - from[1]) >= 0.5 * most_ev;
     if (!moves_both || size_of(total - part[0] - part[1]) > SENSOR_COARSE_EV) { /* there is no such setting */

@@ -10,7 +10,7 @@ static double hold_of(const pupil_sensor_object *o)
 {
     const double hold_ev = o->config.hold_ev;
     const int is_calm = o->search.since >= SENSOR_RING && o->plan.near_frames >= SENSOR_HIGHLIGHT_FRAMES;
-    return is_calm && hold_ev < SENSOR_COARSE_EV ? SENSOR_COARSE_EV : hold_ev;
+    return is_calm ? larger(hold_ev, SENSOR_COARSE_EV) : hold_ev;
 }
 
 static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
@@ -118,7 +118,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     const sensor_estimate *a = &o->estimate;
     const int is_unknown = !o->config.linear && !a->learned && size_of(need) > SENSOR_STEP_EV;
     const double most = size_of(need) * (double)(2u << (s->unanswered - (s->unanswered > 1))) + size_of(left),
-                 back = size_of(left) < most ? size_of(left) : most, requested = a->requested[0] + a->requested[1];
+                 back = smaller(size_of(left), most), requested = a->requested[0] + a->requested[1];
     double total = pupil_sensor_total_for(o, is_unknown ? 0.5 * need : need);
     total = clamp(total, requested - (need < 0.0 ? most : back), requested + (need > 0.0 ? most : back));
     if (is_left_alone(o, total, need))

@@ -70,7 +70,7 @@ static double highlight_move_ev(const pupil_sensor_object *o)
     if (is_at_rest(&o->plan))
         return SENSOR_HIGHLIGHT_SLOW_EV;
     const double fast_ev = SENSOR_HIGHLIGHT_AIM_EV / pupil_sensor_longest_delay(o);
-    return fast_ev < SENSOR_GLIDE_EV ? fast_ev : SENSOR_GLIDE_EV;
+    return smaller(fast_ev, SENSOR_GLIDE_EV);
 }
 
 /* The size of a step from a frame that is only too bright or too dark, in stops: half of the last such step if that
@@ -81,13 +81,13 @@ static double blind_ev(const sensor_plan *p, double side)
 {
     const double last = size_of(p->blind_ev), most = 2.0 * SENSOR_BLIND_EV;
     const double next = side * p->blind_ev < 0.0 ? 0.5 * last : 2.0 * last;
-    return last > 0.0 && next < most ? next : most;
+    return last > 0.0 ? smaller(next, most) : most;
 }
 
 static double blind_step(const sensor_plan *p, double side)
 {
     const double ev = blind_ev(p, side);
-    return ev < SENSOR_BLIND_EV ? ev : SENSOR_BLIND_EV;
+    return smaller(ev, SENSOR_BLIND_EV);
 }
 
 /* The effect that this frame asks for.
@@ -128,7 +128,7 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     p->moved = 0.0;
     const int is_waiting = pupil_sensor_is_pending(o) || o->announced.frames;
     const double far = effect + goal - p->held_back_ev - p->wanted;
-    const double low = far < 0.0 ? far : 0.0, by_them = clamp(off, low, far - low); /* they may be all that is off */
+    const double low = smaller(far, 0.0), by_them = clamp(off, low, far - low); /* they may be all that is off */
     if (size_of(far - by_them) < near_ev && !is_waiting) {
         const double fast_ev = highlight_move_ev(o);
         const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -fast_ev, fast_ev);
@@ -192,10 +192,9 @@ static void filter(pupil_sensor_object *o, double off)
     sensor_plan *p = &o->plan;
     const pupil_sensor_config *c = &o->config;
     const double usual = usual_weight(o), most = most_weight(o);
-    double move = off * (usual < most ? usual : most);
-    double most_ev =
-        SENSOR_GLIDE_EV > size_of(move) ? SENSOR_GLIDE_EV : size_of(move); /* what is near is tau_s's alone */
-    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) {               /* not seen: the setting goes to the limit */
+    double move = off * smaller(usual, most);
+    double most_ev = larger(SENSOR_GLIDE_EV, size_of(move)); /* what is near is tau_s's alone */
+    if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) { /* not seen: the setting goes to the limit */
         move = off;
     } else if (p->far_frames > c->flash_frames) {
         move = off * most;

@@ -46,7 +46,7 @@ static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 static void write_again(pupil_sensor_object *o)
 {
     const double dt_s = o->setting.dt_s, most_s = 0.5 * SENSOR_REWRITE_S; /* not in two frames in a row */
-    o->rewrite_s += dt_s < most_s ? dt_s : most_s;
+    o->rewrite_s += smaller(dt_s, most_s);
     if (o->setting.changed)
         o->rewrite_s = 0.0;
     if (o->rewrite_s < SENSOR_REWRITE_S)

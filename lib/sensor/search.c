@@ -98,6 +98,17 @@ static void move_only(pupil_sensor_object *o, int control, const double setting[
     pupil_sensor_forget_points(s);
 }
 
+/* The other control does the rest, from a setting on, where it can and searches have not changed to and fro too often.
+ */
+static int hand_over(pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
+{
+    if (o->search.swaps >= SENSOR_SWAPS || !may_do(o, control, setting, need))
+        return 0;
+    move_only(o, control, setting);
+    o->search.swaps++;
+    return 1;
+}
+
 double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
 {
     return o->plan.held_back_ev > SENSOR_SETTLED_EV ? SENSOR_HIGHLIGHT_DOUBT_EV : 0.0;
@@ -108,7 +119,7 @@ double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
 static int is_near(const pupil_sensor_object *o, double need)
 {
     const double doubted_ev = SENSOR_OFF_EV + pupil_sensor_doubt_ev(o);
-    const double most_ev = doubted_ev > SENSOR_MISMATCH_EV ? doubted_ev : SENSOR_MISMATCH_EV;
+    const double most_ev = larger(doubted_ev, SENSOR_MISMATCH_EV);
     return size_of(need) <= most_ev && o->plan.beyond == 0.0;
 }
 
@@ -155,15 +166,13 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
                            ? SENSOR_EXPOSURE
                            : SENSOR_GAIN;
     const int other = SENSOR_CONTROLS - 1 - (is_one ? (int)s->mover : coarse);
-    const sensor_point *from = may_do(o, other, low->setting, wanted - low->effect)     ? low
-                               : may_do(o, other, high->setting, wanted - high->effect) ? high
-                                                                                        : 0;
-    if (!from || s->swaps >= SENSOR_SWAPS)
+    const double from_low = sum_of(low) + wanted - low->effect, from_high = sum_of(high) + wanted - high->effect;
+    if (hand_over(o, other, low->setting, wanted - low->effect))
+        s->total = from_low;
+    else if (hand_over(o, other, high->setting, wanted - high->effect))
+        s->total = from_high;
+    else
         return 0;
-    const double total = from->setting[0] + from->setting[1] + wanted - from->effect;
-    move_only(o, other, from->setting);
-    s->swaps++;
-    s->total = total;
     return 1;
 }
 
@@ -209,7 +218,7 @@ static double widen(const pupil_sensor_object *o, const sensor_point *from, doub
     const double flat = flat_ev(o, from), step = total - from->total;
     if (flat < SENSOR_GAP_EV)
         return total;
-    const double least = flat > SENSOR_WRONG_EV ? flat : SENSOR_WRONG_EV;
+    const double least = larger(flat, SENSOR_WRONG_EV);
     return size_of(step) > least ? total : from->total + (o->plan.wanted > from->effect ? least : -least);
 }
 
@@ -227,11 +236,8 @@ static double leave(pupil_sensor_object *o, double need)
     sensor_search *s = &o->search;
     const double *requested = o->estimate.requested;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (is_one && s->swaps < SENSOR_SWAPS && may_do(o, other, requested, need)) {
-        move_only(o, other, requested);
-        s->swaps++;
+    if (is_one && hand_over(o, other, requested, need))
         return requested[0] + requested[1] + need;
-    }
     return rest_at(o, s->set, need);
 }
 
@@ -246,7 +252,6 @@ static int is_at_end(const pupil_sensor_object *o, double need)
 void pupil_sensor_search_on(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
-    const sensor_estimate *a = &o->estimate;
     const double other_light = size_of(o->plan.wanted - s->rest_wanted);
     /* highlights may say something else at each of two settings: the nearer one stays */
     const double other_ev = SENSOR_OFF_EV + (size_of(need) <= 0.5 * s->step_ev ? pupil_sensor_doubt_ev(o) : 0.0);
@@ -260,10 +265,8 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     if (s->is_pinned[0] == s->is_pinned[1])
         return;
     const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (s->unanswered > 1 && s->swaps < SENSOR_SWAPS && may_do(o, other, a->requested, need)) {
-        move_only(o, other, a->requested); /* the control that moves does nothing */
-        s->swaps++;
-        s->unanswered = 0;
+    if (s->unanswered > 1 && hand_over(o, other, o->estimate.requested, need)) {
+        s->unanswered = 0; /* the control that moves does nothing */
     } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && is_at_end(o, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0;
         pupil_sensor_forget_points(s);

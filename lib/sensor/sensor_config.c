@@ -190,5 +190,5 @@ int pupil_sensor_config_check(const pupil_sensor_config *config, const char **wh
 
 double pupil_sensor_longest_exposure(const pupil_sensor_config *c)
 {
-    return c->frame_rate_priority && c->frame_s < c->exposure_max_s ? c->frame_s : c->exposure_max_s;
+    return c->frame_rate_priority ? smaller(c->frame_s, c->exposure_max_s) : c->exposure_max_s;
 }

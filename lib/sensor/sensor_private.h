@@ -79,9 +79,9 @@ typedef struct sensor_estimate {
     uint32_t still[SENSOR_CONTROLS];  /* frames in which nothing was on its way, at most SENSOR_STILL_FRAMES */
     double in_force[SENSOR_CONTROLS]; /* in this frame, by the best guess */
     double low_before[SENSOR_ORDERS], high_before[SENSOR_ORDERS];
-    double noise_ev;                  /* of the scene, from frame to frame */
-    double response[SENSOR_CONTROLS]; /* stops of the picture for a stop of the control */
-    double effect;                    /* of what is in force */
+    double noise_ev;                        /* of the scene, from frame to frame */
+    double response[SENSOR_CONTROLS];       /* stops of the picture for a stop of the control */
+    double effect;                          /* of what is in force */
     double scene_moved[SENSOR_RAMP_FRAMES]; /* by itself, as far as that is known; the latest first */
     double stepped;                         /* stops of the controls that came into force in this frame */
     double answered;                        /* ... and by how much the picture's level moved, where that is known */
@@ -113,15 +113,15 @@ typedef struct sensor_announced {
 } sensor_announced;
 
 typedef struct sensor_plan {
-    double wanted;       /* effect that is wanted: what is shown is the picture times 2^(wanted - effect) */
-    double goal;         /* ... that this frame asks for */
-    double beyond;       /* goal, less what the camera can reach of it */
-    double aim;          /* what the frame's mean is to be */
-    double light;        /* by which the key was chosen */
-    double held_back_ev; /* by the highlights */
-    double moved;        /* `wanted`, for the highlights in this frame */
-    double far_ev;       /* the least that the last far frames were off by */
-    double blind_ev;     /* of the last step from a frame that was no number, and to which side; 0: one since was */
+    double wanted;        /* effect that is wanted: what is shown is the picture times 2^(wanted - effect) */
+    double goal;          /* ... that this frame asks for */
+    double beyond;        /* goal, less what the camera can reach of it */
+    double aim;           /* what the frame's mean is to be */
+    double light;         /* by which the key was chosen */
+    double held_back_ev;  /* by the highlights */
+    double moved;         /* `wanted`, for the highlights in this frame */
+    double far_ev;        /* the least that the last far frames were off by */
+    double blind_ev;      /* of the last step from a frame that was no number, and to which side; 0: one since was */
     uint32_t far_frames;  /* in a row that are far off on one side */
     uint32_t near_frames; /* since the last step from far, at most a little over SENSOR_HIGHLIGHT_FRAMES */
     uint32_t is_looking;  /* what is known is a guess: the next frame counts at once */
@@ -221,6 +221,16 @@ _Static_assert(sizeof(pupil_sensor_object) <= sizeof(pupil_sensor), "PUPIL_SENSO
 static inline double size_of(double x)
 {
     return x < 0.0 ? -x : x;
+}
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
 }
 
 /* The caller's configuration as one of this version: NULL, or a sentence. */

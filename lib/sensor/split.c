@@ -29,7 +29,7 @@ static double in_lines(const pupil_sensor_config *c, double exposure_s)
 static double line_at_least(const pupil_sensor_config *c, double exposure_s)
 {
     const double e = in_lines(c, exposure_s);
-    return e > c->exposure_min_s ? e : c->exposure_min_s;
+    return larger(e, c->exposure_min_s);
 }
 
 /* The exposure at or below one that a table has as a multiple of half a mains period; 0 where it has none. */
@@ -58,7 +58,7 @@ static double exposure_of(const pupil_sensor_config *c, uint32_t hz, double expo
         e = up <= exposure_s * (1.0 + SENSOR_ROUND) ? up : in_lines(c, multiple(e, half_s));
         e = e > 0.0 ? e : in_lines(c, exposure_s);
     }
-    return e < c->exposure_min_s ? c->exposure_min_s : e;
+    return larger(e, c->exposure_min_s);
 }
 
 double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
@@ -91,7 +91,7 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
         g = found;
         break;
     }
-    return g < c->gain_min ? c->gain_min : g;
+    return larger(g, c->gain_min);
 }
 
 /* By the profile; steps only at the ends of its stages, so that these can be reached. */
@@ -102,7 +102,7 @@ static double exposure_at(const pupil_sensor_config *c, double total)
     for (uint32_t i = 0; i <= c->stages + 1; i++) {
         const pupil_sensor_stage end = {i == c->stages ? c->frame_s : c->exposure_max_s, c->gain_max};
         const pupil_sensor_stage *stage = i < c->stages ? &c->stage[i] : &end;
-        const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, most_s > e ? most_s : e));
+        const double next_s = pupil_sensor_exposure_of(c, clamp(stage->exposure_s, e, larger(most_s, e)));
         if (total <= next_s * g)
             return clamp(total / g, e, next_s);
         e = next_s;

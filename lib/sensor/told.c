@@ -13,12 +13,12 @@ void pupil_sensor_forget_told(pupil_sensor_object *o)
 
 static double low_of(const sensor_told_range *r)
 {
-    return r->low_s < r->told_s ? r->low_s : r->told_s;
+    return smaller(r->low_s, r->told_s);
 }
 
 static double high_of(const sensor_told_range *r)
 {
-    return r->high_s > r->told_s ? r->high_s : r->told_s;
+    return larger(r->high_s, r->told_s);
 }
 
 /* The range that an exposure is in: what is between two that became the same one becomes that, too. */
@@ -49,7 +49,7 @@ static double end_above(const pupil_sensor_object *o, const sensor_told_range *r
 {
     const double most_s = pupil_sensor_longest_exposure(&o->config), coarse = pupil_exp2(SENSOR_COARSE_STEP_EV);
     const double step_s = coarse * (coarse * r->told_s > high_of(r) ? r->told_s : high_of(r));
-    return next ? low_of(next) : step_s < most_s ? step_s : most_s;
+    return next ? low_of(next) : smaller(step_s, most_s);
 }
 
 /* The middle of it, in stops. */
@@ -163,7 +163,7 @@ void pupil_sensor_learn_told(pupil_sensor_object *o)
         *place = (sensor_told_range){told_s, asked_s, asked_s};
     }
     place->low_s = clamp(place->low_s, 0.0, asked_s);
-    place->high_s = asked_s > place->high_s ? asked_s : place->high_s;
+    place->high_s = larger(asked_s, place->high_s);
     const double told = pupil_log2(place->told_s);
     if (told != a->requested[0])
         correct_asked(a, told);
