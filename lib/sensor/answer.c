@@ -38,6 +38,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
     s->jump_ev = 0.0;
+    o->white.highest = -SENSOR_FAR_AWAY;
     o->black.darkest = 0.0;
     pupil_sensor_forget_points(s);
     pupil_sensor_doubt(o);
@@ -87,23 +88,46 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
-/* A large step is in force: whether the metadata say better than the request what it did. Then what is searched for is
- * known. */
-static void weigh_step(pupil_sensor_object *o)
+/* What a step did, by the request and by the metadata, and as it was seen. What was looked for may be known now. */
+static void weigh(pupil_sensor_object *o, double asked, double said, double seen)
 {
-    const sensor_estimate *a = &o->estimate;
     sensor_search *s = &o->search;
     const uint32_t was = o->told.is_trusted;
-    double asked = 0.0, said = 0.0;
-    for (int c = 0; c < SENSOR_CONTROLS; c++) {
-        asked += a->requested[c] - s->from[c];
-        said += a->said[c] - o->told.said_before[c];
-    }
-    pupil_sensor_weigh_told(o, asked, said, a->effect - s->effect_from);
+    pupil_sensor_weigh_told(o, asked, said, seen);
     if (!was && o->told.is_trusted) {
         s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = s->swaps = 0;
         pupil_sensor_forget_points(s);
     }
+}
+
+/* A large step is in force: whether the metadata say better than the request what it did. */
+static void weigh_step(pupil_sensor_object *o, const sensor_evidence *v)
+{
+    const sensor_estimate *a = &o->estimate;
+    double asked = 0.0, said = 0.0;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        asked += a->requested[c] - o->search.from[c];
+        said += a->said[c] - o->told.said_before[c];
+    }
+    if (v->is_number)
+        weigh(o, asked, said, a->effect - o->search.effect_from);
+}
+
+/* After small steps the metadata say that the exposure moved by more than all that was asked for within any delay, and
+ * by no more than a camera may round: whether the picture moved so, too. Where nothing was asked for, it is the
+ * camera's own automatic. */
+static void weigh_frame(pupil_sensor_object *o)
+{
+    const sensor_estimate *a = &o->estimate;
+    const double said = a->said[0] - a->said_before[0];
+    double least = a->requested[0], most = least;
+    for (uint32_t i = 1; i <= SENSOR_DELAYS + 1; i++) {
+        const double asked = a->asked[(a->frame + SENSOR_RING - i) % SENSOR_RING][0];
+        least = smaller(asked, least);
+        most = larger(asked, most);
+    }
+    if (most > least && size_of(said) > most - least && size_of(said) < SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV)
+        weigh(o, said < 0.0 ? least - most : most - least, said, a->answered);
 }
 
 /* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
@@ -147,8 +171,10 @@ void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const int is_large = o->search.is_large, is_on_its_way = pupil_sensor_is_on_its_way(o);
     find_jump(o);
-    if (is_large && !is_on_its_way && v->is_number)
-        weigh_step(o);
+    if (is_large && !is_on_its_way)
+        weigh_step(o, v);
+    else if (!o->told.is_trusted)
+        weigh_frame(o);
     if (!is_on_its_way)
         pupil_sensor_learn_told(o);
     if (is_large && !is_on_its_way) {

@@ -255,9 +255,10 @@ static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 }
 
 /* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
- * stop more where its steps are coarse, or may be, as those of a camera that has to be searched. */
+ * stop more where its steps are coarse, or may be, as those of a camera that has to be searched; or what the metadata
+ * say. */
 static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], const double now[SENSOR_CONTROLS],
-                      double *low, double *high)
+                      double said, double *low, double *high)
 {
     *low = *high = 0.0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
@@ -266,6 +267,10 @@ static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROL
         const double coarse = size_of(asked) > small ? SENSOR_COARSE_STEP_EV : 0.0;
         *low += asked < 0.0 ? most - coarse : 0.0;
         *high += asked > 0.0 ? most + coarse : 0.0;
+    }
+    if (*high > *low && a->reports) {
+        *low = smaller(said, *low);
+        *high = larger(said, *high);
     }
 }
 
@@ -279,7 +284,7 @@ static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32
         then[c] = in_force(a, c, a->best[c], before + frame->gap);
         now[c] = in_force(a, c, a->best[c], before);
     }
-    bounds_of(a, then, now, &low, &high);
+    bounds_of(a, then, now, frame->said, &low, &high);
     const double expected = pupil_sensor_effect(a, then, now);
     const double known = clamp(expected, frame->least, frame->most), left = size_of(known - expected);
     const double noise = SENSOR_UNEXPLAINED_NOISE * a->noise_ev, goes_on = 2.0 * size_of(a->scene_moved[0]);
@@ -322,6 +327,7 @@ static void follow_effect(pupil_sensor_object *o, double least, double most, dou
     const double redone = is_other ? redo(a) : 0.0;
     int changes;
     *now = (sensor_past){.least = least, .most = most, .wrong_ev = wrong_ev, .gap = a->gap};
+    now->said = a->said[0] - a->said_before[0] + a->said[1] - a->said_before[1];
     now->done = done_in(a, now, 0, &a->unexplained, &changes);
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         now->reported[c] = a->reported[c];

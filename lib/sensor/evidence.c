@@ -131,18 +131,23 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *o, double mean, d
     find_orders(o, 0, v, -SENSOR_FAR_AWAY);
 }
 
-/* Light above what was taken for white shows that it is none. */
+/* Light above what was taken for white shows that it is none, now and later: a companded picture is flat below its
+ * bend.
+ */
 void pupil_sensor_white_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;
-    w->is_found &= v->top <= w->level + SENSOR_STUCK_EV;
+    w->highest = larger(v->top, w->highest);
+    w->is_found &= w->highest <= w->level + SENSOR_STUCK_EV;
 }
 
 /* A flat top that stays where it is while the setting moves is white. */
 void pupil_sensor_find_white(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;
-    if (v->spike > 0.0 && is_bright(&o->config, v->top) && size_of(v->top - w->top) < SENSOR_STUCK_EV) {
+    if (v->spike <= 0.0 || !is_bright(&o->config, v->top) || v->top < w->highest - SENSOR_STUCK_EV)
+        return;
+    if (size_of(v->top - w->top) < SENSOR_STUCK_EV) {
         w->level = v->top;
         w->is_found = 1;
     }

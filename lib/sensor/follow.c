@@ -13,6 +13,13 @@ static double hold_of(const pupil_sensor_object *o)
     return is_calm ? larger(hold_ev, SENSOR_COARSE_EV) : hold_ev;
 }
 
+/* A part of an exchange in which one control alone would move, and by less than a setting is changed for. */
+static int is_kept(const pupil_sensor_object *o, const double part[SENSOR_CONTROLS])
+{
+    const double *now = o->estimate.requested;
+    return (part[0] == now[0] || part[1] == now[1]) && size_of(part[0] + part[1] - now[0] - now[1]) <= hold_of(o);
+}
+
 static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
 {
     sensor_search *s = &o->search;
@@ -23,6 +30,8 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     pupil_sensor_split(o, total, &e, &g);
     double part[SENSOR_CONTROLS] = {setting[0], setting[1]}, part_e, part_g;
     s->is_exchanging = may_be_a_part && pupil_sensor_is_part_of_exchange(o, total, part, &part_e, &part_g);
+    if (s->is_exchanging && is_kept(o, part))
+        return;
     if (s->is_exchanging) {
         e = part_e;
         g = part_g;

@@ -58,6 +58,7 @@ int pupil_sensor_init(pupil_sensor *sensor, const pupil_sensor_config *config)
     o->magic = SENSOR_MAGIC;
     o->plan.is_looking = 1;
     o->white.top = SENSOR_FAR_AWAY;
+    o->white.highest = -SENSOR_FAR_AWAY;
     o->black.before[0] = -SENSOR_FAR_AWAY;
     o->search.since = o->search.looks = SENSOR_RING; /* nothing is on its way */
     o->setting.exposure_s = SENSOR_FIRST_EXPOSURE_S;

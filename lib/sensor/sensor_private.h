@@ -43,8 +43,9 @@ typedef struct sensor_evidence {
 
 /* Where the picture is full, if that is below what the configuration says. */
 typedef struct sensor_white {
-    double level; /* found; 0 or above: not */
-    double top;   /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
+    double level;   /* found; 0 or above: not */
+    double top;     /* of a flat top when the last large step was asked for; SENSOR_FAR_AWAY: none */
+    double highest; /* top of any frame since the camera was doubted */
     uint32_t is_found;
     uint32_t reserved;
 } sensor_white;
@@ -63,6 +64,7 @@ typedef struct sensor_black {
 typedef struct sensor_past {
     double least, most, done;
     double wrong_ev; /* by how much that may be wrong */
+    double said;     /* by how much the metadata had moved */
     double reported[SENSOR_CONTROLS];
     uint32_t gap; /* since the frame before; 0: it was lost */
     uint32_t reserved;
