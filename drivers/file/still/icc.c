@@ -152,15 +152,20 @@ static int apply(cmsHPROFILE p, float *rgb, uint64_t pixels, pupil_why *why)
     if (curves >= 0)
         pupil_still_colour_apply(&colour, rgb, pixels);
     free(table);
-    return 0;
+    return curves > 0 || (curves == 0 && colour.convert);
+}
+
+int pupil_icc_apply_profile(const uint8_t *profile, size_t size, float *rgb, uint64_t pixels, pupil_why *why)
+{
+    cmsHPROFILE p = cmsOpenProfileFromMem(profile, (cmsUInt32Number)size);
+    const int result = p ? apply(p, rgb, pixels, why) : 0;
+    if (p)
+        cmsCloseProfile(p);
+    return result;
 }
 
 int pupil_icc_apply(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_why *why)
 {
     const bytes_of profile = profile_of((bytes_of){bytes, size});
-    cmsHPROFILE p = profile.at ? cmsOpenProfileFromMem(profile.at, (cmsUInt32Number)profile.size) : NULL;
-    const int failed = p ? apply(p, rgb, pixels, why) : 0;
-    if (p)
-        cmsCloseProfile(p);
-    return failed;
+    return profile.at && pupil_icc_apply_profile(profile.at, profile.size, rgb, pixels, why) < 0 ? -1 : 0;
 }

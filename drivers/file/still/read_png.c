@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "icc.h"
 #include "still_private.h"
 #include "upright.h"
 
@@ -28,6 +29,8 @@ typedef struct png_reader {
     curve curve;
     double power;
     pupil_still_colour colour;
+    const uint8_t *profile; /* in info; NULL: none, or sRGB's */
+    uint32_t profile_bytes;
 } png_reader;
 
 static void on_error(png_structp png, png_const_charp message)
@@ -114,13 +117,28 @@ static int read_cicp(png_reader *r, pupil_chromaticities *primaries, int *has_pr
     return 0;
 }
 
+/* A profile that is not sRGB's. */
+static int read_profile(png_reader *r)
+{
+    png_charp name;
+    png_bytep profile;
+    png_uint_32 bytes;
+    int compression;
+    if (!png_get_iCCP(r->png, r->info, &name, &compression, &profile, &bytes) ||
+        pupil_icc_apply_profile(profile, bytes, NULL, 0, r->why) <= 0)
+        return 0;
+    r->profile = profile;
+    r->profile_bytes = bytes;
+    return 1;
+}
+
 static void read_colour(png_reader *r)
 {
     pupil_chromaticities primaries;
     int has_primaries = 0, intent;
     double gamma = 0;
     r->curve = CURVE_SRGB;
-    if (!read_cicp(r, &primaries, &has_primaries) && !png_get_sRGB(r->png, r->info, &intent)) {
+    if (!read_cicp(r, &primaries, &has_primaries) && !read_profile(r) && !png_get_sRGB(r->png, r->info, &intent)) {
         double *xy = primaries.xy;
         if (png_get_gAMA(r->png, r->info, &gamma) && gamma > 0.01 && gamma < 100) {
             r->curve = fabs(gamma - 1) < 1e-4 ? CURVE_LINEAR : CURVE_POWER;
@@ -174,7 +192,7 @@ static int read_pixels(png_reader *r, pupil_still *still)
         return -1;
     png_read_update_info(r->png, r->info);
     bits = png_get_bit_depth(r->png, r->info);
-    as_is = bits == 8 && r->curve == CURVE_SRGB && !r->colour.convert;
+    as_is = bits == 8 && r->curve == CURVE_SRGB && !r->colour.convert && !r->profile;
     if (stored / DEFLATE_RATIO > r->size)
         return pupil_still_fail(r->why, "the header promises %llu x %llu pixels, more than %zu bytes of PNG can hold",
                                 (unsigned long long)width, (unsigned long long)height, r->size);
@@ -192,7 +210,10 @@ static int read_pixels(png_reader *r, pupil_still *still)
         decode(r, still->pixels, codes, width * height * 3, bits);
         pupil_still_colour_apply(&r->colour, still->pixels, width * height);
     }
-    return 0;
+    return r->profile &&
+                   pupil_icc_apply_profile(r->profile, r->profile_bytes, still->pixels, width * height, r->why) < 0
+               ? -1
+               : 0;
 }
 
 /* libpng takes memory for what a chunk's length says before it sees the file's end: so that is looked at first. */

@@ -21,15 +21,15 @@
  *   EXPOSURE of 0 is unknown), PRIMARIES converted from where they are sane, XYZE through its equal-energy white.
  * - PFM: as stored. Of the scale only the sign (the byte order) counts: files in circulation carry magnitudes (1/255,
  *   a maximum) that their samples are not to be multiplied with. PF, Pf and PF4 (alpha left out).
- * - PNG: by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else sRGB, else gAMA (a power
- *   law; 1.0 is linear), else as sRGB; primaries by cICP, else cHRM. 8-bit sRGB stays RGB8, which the core decodes;
- *   everything else becomes float. iCCP profiles are not evaluated. Alpha is left out.
+ * - PNG: by cICP (linear, BT.709, sRGB, PQ with 1.0 at 100 cd/m2, HLG scene light 0..1), else iCCP (icc.h), else sRGB,
+ *   else gAMA (a power law; 1.0 is linear), else as sRGB; primaries by cICP or iCCP, else cHRM. 8-bit sRGB stays RGB8,
+ *   which the core decodes; everything else becomes float. Alpha is left out.
  *
  * - DNG, of a mosaic or linear, and the raw files of cameras (NEF, CR2, CR3, ARW, RAF, ORF, RW2 ...), through LibRaw:
  *   demosaiced, balanced as the camera was set, 0 at black and 1 at white, upright. Exposure time and ISO are not
  *   divided out.
  * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), and by the ICC
- *   profile of JPEG, TIFF and WebP (icc.h): telephones store P3.
+ *   profile of JPEG, TIFF and WebP (icc.h): phones store P3.
  *
  * JPEG, TIFF, PNG and WebP come upright by their orientation (Exif), unless as_stored.
  *

@@ -86,9 +86,9 @@ END
 expect 1 "save it as OpenEXR (.exr) or PFM" replay float.tif -o float.png
 absent float.png
 
-# a JPEG of grey with an ICC profile of linear light is by so much brighter
+# a JPEG and a PNG of grey with an ICC profile of linear light are by so much brighter
 python3 - <<'END'
-import math, struct
+import struct, zlib
 def tag(kind, *numbers):
     return kind + bytes(4) + b"".join(struct.pack(">i", round(n * 65536)) for n in numbers)
 data = [tag(b"XYZ ", 0.43607, 0.22249, 0.01392), tag(b"XYZ ", 0.38515, 0.71687, 0.09708),
@@ -100,17 +100,24 @@ for name, one in zip(names, data):
 profile = b"mntrRGB XYZ " + bytes(12) + b"acsp" + bytes(88) + struct.pack(">I", 6) + table + b"".join(data)
 profile = struct.pack(">I", len(profile) + 12) + bytes(8) + profile
 open("icc", "wb").write(b"\xff\xe2" + struct.pack(">H", len(profile) + 16) + b"ICC_PROFILE\0\1\1" + profile)
+def chunk(kind, data):
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+for name, profiles in ("grey.png", b""), ("linear.png", chunk(b"iCCP", b"linear\0\0" + zlib.compress(profile))):
+    open(name, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 16, 16, 8, 2, 0, 0, 0)) +
+                           profiles + chunk(b"IDAT", zlib.compress(16 * (b"\0" + 48 * b"\x80"))) + chunk(b"IEND", b""))
 END
 ffmpeg -v error -nostdin -f lavfi -i "color=gray:s=16x16" -frames:v 1 -q:v 1 grey.jpg
 python3 -c 'jpeg = open("grey.jpg", "rb").read()
 open("linear.jpg", "wb").write(jpeg[:2] + open("icc", "rb").read() + jpeg[2:])'
 metered() { sed 's/.*"metered_ev":\([^,]*\),.*/\1/' "$1"; }
-expect 0 "" replay grey.jpg --stats grey.jsonl
-expect 0 "" replay linear.jpg --stats linear.jsonl
-python3 -c "import math
+for kind in jpg png; do
+    expect 0 "" replay grey.$kind --stats grey.jsonl -y
+    expect 0 "" replay linear.$kind --stats linear.jsonl -y
+    python3 -c "import math
 code = (2 ** $(metered grey.jsonl)) ** (1 / 2.4) * 1.055 - 0.055
 exit(abs($(metered linear.jsonl) - math.log2(code)) > 0.01)" ||
-    fail "grey at $(metered grey.jsonl) EV is at $(metered linear.jsonl) by a linear profile"
+        fail "$kind: grey at $(metered grey.jsonl) EV is at $(metered linear.jsonl) by a linear profile"
+done
 
 # what the data window of OpenEXR leaves of the picture is not metered: the level is that of --roi
 ffmpeg -v error -nostdin -i in/png-64x36.png -pix_fmt gbrpf32le whole.exr || skip "ffmpeg writes no EXR"
