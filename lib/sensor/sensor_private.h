@@ -26,10 +26,10 @@ enum { SENSOR_EXPOSURE, SENSOR_GAIN, SENSOR_CONTROLS };
 
 /* A frame's level. */
 typedef struct sensor_evidence {
-    int is_dead;   /* no weight, or values that are not finite */
-    int is_number; /* the mean can be used: not too much of the frame is clipped or black */
-    double mean;   /* without the flicker of lamps, once that was subtracted */
-    double middle; /* the mean without the darkest and the brightest parts, to find flicker */
+    int is_dead;   /* no weight, or not finite */
+    int is_number; /* the mean is usable: neither mostly clipped nor black */
+    double mean;   /* without the flicker of lamps */
+    double middle; /* without the darkest and the brightest, to find flicker */
     double clipped_share, black_share;
     double full_share;         /* ... that is clipped, or may be: a flat top far above the key */
     double white;              /* the level at which the sensor saturates */
@@ -45,7 +45,7 @@ typedef struct sensor_evidence {
 typedef struct sensor_white {
     double level;   /* log2; valid where is_found */
     double top;     /* flat top when the last step was asked for; SENSOR_FAR_AWAY: none */
-    double highest; /* highest top of all frames since the camera was last doubted */
+    double highest; /* highest top since the camera was last doubted */
     uint32_t is_found;
     uint32_t reserved;
 } sensor_white;
@@ -86,21 +86,21 @@ typedef struct sensor_estimate {
     double effect;                          /* of the setting in force, as seen so far */
     double scene_moved[SENSOR_RAMP_FRAMES]; /* stops a frame, without the controls' part; 0: unknown; latest first */
     double stepped;                         /* stops of the controls that came into force in this frame */
-    double answered;                        /* movement of the picture's level in this frame; 0: unknown */
-    double unexplained;                     /* movement at a change of the setting that the responses do not explain */
+    double answered;                        /* movement of the picture in this frame; 0: unknown */
+    double unexplained;                     /* stops that a change of the setting leaves unexplained */
     uint64_t sequence;
     uint32_t frame; /* index of this frame in past and asked */
-    uint32_t gap;   /* frames since the one before; more than 1: some were lost */
+    uint32_t gap;   /* frames since the one before; above 1: some were lost */
     uint32_t has_level, has_frame;
     uint32_t alive[SENSOR_CONTROLS]; /* bit masks of the guesses that are not ruled out */
     uint32_t best[SENSOR_CONTROLS], best_before[SENSOR_CONTROLS];
     uint32_t delay[SENSOR_CONTROLS]; /* frames; 0: not found yet */
     uint32_t said_frames;            /* frames since the metadata moved */
-    uint32_t reports;                /* this frame has metadata of both controls, and they are not stuck */
+    uint32_t reports;                /* this frame has metadata of both controls, not stuck */
     uint32_t is_borne_out;           /* the picture has moved as the metadata say */
-    uint32_t seen;         /* bit mask of controls that have moved in a step from which a response was learned */
-    uint32_t is_searching; /* copy of sensor_search's */
-    uint32_t learned;      /* a response was learned */
+    uint32_t seen;                   /* bit mask of controls whose own response was learned */
+    uint32_t is_searching;           /* copy of sensor_search's */
+    uint32_t learned;                /* a response was learned */
     float cost[SENSOR_GUESSES][SENSOR_GUESSES];
 } sensor_estimate;
 
@@ -115,15 +115,15 @@ typedef struct sensor_announced {
 } sensor_announced;
 
 typedef struct sensor_plan {
-    double wanted;       /* effect; what is shown is the picture times 2^(wanted - effect) */
-    double goal;         /* the effect that this frame asks for; `wanted` moves towards it */
-    double beyond;       /* the part of the goal that is out of the camera's reach */
-    double aim;          /* what the frame's mean should be */
-    double light;        /* the scene light by which the key was chosen */
-    double held_back_ev; /* stops by which highlights lower the level */
-    double moved;        /* change of `wanted` by the highlights in this frame */
-    double far_ev;       /* smallest error of the last far_frames frames, with its sign */
-    double blind_ev; /* last step from a frame without a usable mean, with its sign; 0: a usable mean was seen since */
+    double wanted;        /* effect; what is shown is the picture times 2^(wanted - effect) */
+    double goal;          /* the effect that this frame asks for; `wanted` moves towards it */
+    double beyond;        /* the part of the goal that is out of the camera's reach */
+    double aim;           /* what the frame's mean should be */
+    double light;         /* scene light by which the key was chosen */
+    double held_back_ev;  /* stops by which highlights lower the level */
+    double moved;         /* change of `wanted` by the highlights in this frame */
+    double far_ev;        /* smallest error of these far_frames, signed */
+    double blind_ev;      /* last step from a frame without a usable mean, signed; 0: one with a mean came since */
     uint32_t far_frames;  /* frames in a row that are off by more than config.far_ev on one side */
     uint32_t near_frames; /* frames since the last step from far off, at most a little over SENSOR_HIGHLIGHT_FRAMES */
     uint32_t is_looking;  /* the first setting is looked for, or the light is only a guess: no flash is waited for */
@@ -133,7 +133,7 @@ typedef struct sensor_plan {
 
 /* --- follow --- */
 
-/* A setting that was in force, and what it did. */
+/* A setting that was seen. */
 typedef struct sensor_point {
     double total; /* asked for, log2 */
     double setting[SENSOR_CONTROLS];
@@ -144,7 +144,7 @@ typedef struct sensor_point {
 
 /* A range of requested exposures that the camera rounds to the same one: told.c. */
 typedef struct sensor_told_range {
-    double told_s, low_s, high_s; /* what the camera takes, and the shortest and longest request that became it */
+    double told_s, low_s, high_s; /* what the camera takes; the shortest and longest such request */
 } sensor_told_range;
 
 typedef struct sensor_told {
@@ -155,16 +155,16 @@ typedef struct sensor_told {
 } sensor_told;
 
 typedef struct sensor_search {
-    double total;                   /* wanted total, on the path of settings, log2 of s */
+    double total;                   /* wanted, on the path of settings, log2 of s */
     double set;                     /* the total for which the setting was chosen */
     double from[SENSOR_CONTROLS];   /* the setting before the last large step */
     double effect_from;             /* its effect */
     double pinned[SENSOR_CONTROLS]; /* value of a control that is fixed while the other one moves */
     uint32_t is_pinned[SENSOR_CONTROLS];
     uint32_t mover; /* the control that moves while the other one is pinned */
-    uint32_t swaps; /* how often the mover has changed in this search */
+    uint32_t swaps; /* changes of the mover in this search */
     uint32_t pinned_frames;
-    double rest_wanted;  /* wanted effect when the search ended, or when a control was pinned */
+    double rest_wanted;  /* wanted effect when the search ended or a control was pinned */
     double step_ev;      /* stops between the two neighbouring settings at one of which a search ended; else 0 */
     double rest_ev;      /* error of the setting at which a search ended */
     double wrong_ev;     /* the error when it last shrank */
@@ -183,7 +183,7 @@ typedef struct sensor_search {
     uint32_t is_searching, is_resting;
     uint32_t unanswered;    /* large steps in a row that did nothing */
     uint32_t deaf;          /* the same, not reset by a doubt; at most 2 */
-    uint32_t weak;          /* large steps in a row that did less than expected; at most 2 */
+    uint32_t weak;          /* the same that did less than expected; at most 2 */
     uint32_t next;          /* the point that is overwritten next */
     uint32_t is_exchanging; /* one control is exchanged for the other in parts */
     sensor_point point[SENSOR_POINTS];
@@ -192,7 +192,7 @@ typedef struct sensor_search {
 /* --- day and night --- */
 
 typedef struct sensor_day_night {
-    double filter_ev; /* stops that announced filters let through, beyond the first frame's */
+    double filter_ev; /* stops by announced filters since the first frame */
     double beyond_s;  /* how long the light has been on the other side */
     uint32_t side;    /* that side, a pupil_sensor_day_night; 0: none */
     uint32_t reserved;
@@ -236,7 +236,7 @@ static inline double smaller(double a, double b)
     return a < b ? a : b;
 }
 
-/* Copies the caller's configuration into one of this version. NULL, or a sentence that says what is wrong. */
+/* Copies the caller's configuration into one of this version. NULL, or what is wrong. */
 const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sensor_config *theirs);
 
 /* evidence.c: from complete statistics, or from a level that another program has metered. */
@@ -269,22 +269,22 @@ double pupil_sensor_effect(const sensor_estimate *estimate, const double from[SE
                            const double to[SENSOR_CONTROLS]);
 /* The most that the scene moved by itself in one of the last frames. */
 double pupil_sensor_unrest(const sensor_estimate *estimate);
-/* A step went too far: from now on no control is taken to do less than it should. */
+/* A step went too far: no control is taken to do less than it should. */
 void pupil_sensor_overshot(sensor_estimate *estimate);
-/* Whether a control's delay is waited for: not if it has been constant for longer than any delay, and the other one's
- * delay is known. */
+/* Whether a control's delay is waited for: not if it was constant for longer than any delay, and the other
+ * one's is known. */
 int pupil_sensor_is_waited_for(const sensor_estimate *estimate, int control);
 /* The longest delay that is not ruled out, of controls that are waited for. */
 uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *object);
-/* Learns the responses from a step of the setting, whose effect was `expected` and `seen`, stops. */
+/* Learns the responses from a step: its effect as `expected` and as `seen`, stops. */
 void pupil_sensor_learn(pupil_sensor_object *object, const double from[SENSOR_CONTROLS], double expected, double seen);
 
 /* told.c: the exposure that the camera takes for a request; the request to send in its place; one to try between it and
- * the next longer exposure that is known. */
+ * the next longer one that is known. */
 double pupil_sensor_told(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_ask(const pupil_sensor_object *object, double exposure_s);
 double pupil_sensor_told_probe(const pupil_sensor_object *object, double exposure_s);
-/* A large step is in force: compares its stops by the request, by the metadata, and as seen in the picture. */
+/* A large step is in force: compares its stops by the request, the metadata and the picture. */
 void pupil_sensor_weigh_told(pupil_sensor_object *object, double asked, double told, double seen);
 /* The requested exposure is in force: remembers what became of it. */
 void pupil_sensor_learn_told(pupil_sensor_object *object);
