@@ -1,12 +1,10 @@
-/* What was in force in a frame, and what the controls did to the picture.
- *
- * For each control there are these guesses: what was asked for 1, 2, ... 16 frames before is in force; or what the
- * metadata report. Between two frames each pair of guesses says by how much the picture's level should have moved; what
- * is left is the scene's. A scene moves as it likes, but not just when some guess expects it. So a guess loses where
- * it leaves more than another one. Two frames in which all guesses agree say nothing and cost nothing.
- *
- * The effect of the controls is the sum of what they did, from frame to frame, as it was seen: a camera that answers
- * otherwise than it should is followed, and what is shown does not jump with it. */
+/* What was in force in a frame, and what the controls did to the picture.  For each control there are these guesses:
+ * what was asked for 1, 2, ... 16 frames before is in force; or what the metadata report. Between two frames each pair
+ * of guesses says by how much the picture's level should have moved; the remainder is the scene's movement. A scene may
+ * move at any time, but hardly just when a wrong guess expects a step. So the guess with the larger remainder loses.
+ * Two frames in which all guesses agree cost nothing.  The effect of the controls is the sum of what they were seen to
+ * do, from frame to frame: so a camera that responds otherwise than it should is followed, and the shown picture does
+ * not jump with it. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -25,7 +23,7 @@ void pupil_sensor_forget(pupil_sensor_object *o)
     a->is_borne_out = a->learned = a->seen = 0;
 }
 
-/* What was learned does not explain what is seen: responses are as at first, and delays half as certain. */
+/* What was learned does not explain what is seen: responses are reset, and delays become half as certain. */
 void pupil_sensor_doubt(pupil_sensor_object *o)
 {
     sensor_estimate *a = &o->estimate;
@@ -38,7 +36,7 @@ void pupil_sensor_doubt(pupil_sensor_object *o)
     a->learned = a->seen = 0;
 }
 
-/* log2 of what a guess says was in force so many frames before this one. */
+/* log2 of what was in force so many frames before this one, by a guess. */
 static double in_force(const sensor_estimate *a, int control, uint32_t guess, uint32_t before)
 {
     if (!guess)
@@ -54,8 +52,8 @@ double pupil_sensor_effect(const sensor_estimate *a, const double from[SENSOR_CO
     return a->response[0] * (to[0] - from[0]) + a->response[1] * (to[1] - from[1]);
 }
 
-/* By how much the picture's level has moved since the frame before: from least to most. Returns by how much that may be
- * wrong: a quantile is from bins. */
+/* By how much the picture's level has moved since the frame before: from least to most. Returns the possible error:
+ * quantiles come from bins. */
 static double moved(const sensor_estimate *a, const sensor_evidence *v, double *least, double *most)
 {
     *least = -SENSOR_FAR_AWAY;
@@ -87,10 +85,10 @@ static int is_possible(const pupil_sensor_config *config, int control, double se
     return setting > pupil_log2(least) - SENSOR_SAME_EV && setting < pupil_log2(most) + SENSOR_SAME_EV;
 }
 
-/* The setting that the metadata of one control mean. Where they moved, that is the setting like it that was asked for;
- * where there is none, they are believed. A camera with another unit, or that rounds, reports so much above
- * what was asked for; that is found where nothing is on its way. Frames that waited in the
- * driver, because the program is slow, are later than any delay: so many of them are let pass. */
+/* Which request the metadata of one control mean. When they move, it is the nearest request that is the same within
+ * SENSOR_SAME_EV; without one, the metadata are believed. The offset of a camera that rounds or has another unit is
+ * measured while no request is in flight. Frames that waited in the driver of a slow program are later than any delay:
+ * SENSOR_STILL_FRAMES of them are skipped. */
 static void read_control(pupil_sensor_object *o, int c)
 {
     sensor_estimate *a = &o->estimate;
@@ -104,7 +102,7 @@ static void read_control(pupil_sensor_object *o, int c)
         nearest = smaller(off, nearest);
     }
     a->reported_before[c] = a->reported[c];
-    if (!is_possible(&o->config, c, like)) { /* the unit was that of a control that did not do what it was asked */
+    if (!is_possible(&o->config, c, like)) { /* the unit came from a control that did not do what was asked */
         a->unit[c] = 0.0;
         like = a->said[c];
     }
@@ -118,8 +116,8 @@ static void read_control(pupil_sensor_object *o, int c)
     a->reported[c] = a->requested[c];
 }
 
-/* Metadata that stay as they are although a control was asked for more than the coarsest step of any camera, longer
- * before than any delay, are those of another frame, or nobody's. */
+/* Metadata are stuck if they do not change although, longer ago than any delay, a control was asked for more than the
+ * coarsest step of any camera: they are not this frame's. */
 static int are_stuck(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
@@ -154,8 +152,8 @@ static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
     }
 }
 
-/* Stops that the scene must have moved by itself, if the controls moved the picture by `effect`. How strongly a picture
- * answers is known a little, even where nothing has been seen yet. */
+/* Stops that the scene must have moved by itself, if the controls moved the picture by `effect`. The response is known
+ * within limits even before anything was seen. */
 static double left_over(const pupil_sensor_object *o, double effect, double least, double most)
 {
     const int is_known = o->estimate.learned || o->config.linear;
@@ -165,8 +163,8 @@ static double left_over(const pupil_sensor_object *o, double effect, double leas
     return high < least ? least - high : low > most ? low - most : 0.0;
 }
 
-/* Costs count from the best guess on, up to a limit. Delays are limited from the best pair of them on, so that one that
- * has changed is found although metadata explain all. */
+/* Costs are relative to the best guess, and clamped. Those of delays are clamped relative to the best pair of delays,
+ * so that a changed delay is found although metadata explain everything. */
 static void limit_costs(sensor_estimate *a, double best)
 {
     double delays = SENSOR_FAR_AWAY;
@@ -182,7 +180,7 @@ static void limit_costs(sensor_estimate *a, double best)
         }
 }
 
-/* One comparison of this frame with the one before: what each guess costs, beyond the one that leaves least. */
+/* Compares this frame with the one before: the cost of each guess, beyond that of the one with the least remainder. */
 static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GUESSES], double least, double most)
 {
     sensor_estimate *a = &o->estimate;
@@ -209,13 +207,13 @@ static void weigh(pupil_sensor_object *o, double step[SENSOR_CONTROLS][SENSOR_GU
     limit_costs(a, best);
 }
 
-/* The guesses from the one that is taken where nothing speaks for another: the metadata, then the longest delay. */
+/* The guesses in the order in which they are preferred: the metadata, then the longest delay first. */
 static uint32_t guess_at(uint32_t i)
 {
     return i ? SENSOR_GUESSES - i : 0;
 }
 
-/* The best guess, and what is not ruled out. Metadata that the picture has borne out are believed. */
+/* The best pair of guesses, and those that are not ruled out. Metadata that the picture has confirmed are believed. */
 static void survey(sensor_estimate *a)
 {
     double best = SENSOR_FAR_AWAY;
@@ -240,7 +238,8 @@ static void survey(sensor_estimate *a)
         a->in_force[c] = in_force(a, c, a->best[c], 0);
 }
 
-/* By how much the scene moved by itself; the noise of that, which light that moves evenly has not. */
+/* By how much the scene moved by itself, and its noise: of second differences, so that light that moves evenly is not
+ * noise. */
 static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 {
     const double cut = SENSOR_NOISE_FRAME * a->noise_ev;
@@ -274,8 +273,9 @@ static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROL
     }
 }
 
-/* What the controls did from the frame before to the one so many frames before this one, by the best guess. What a
- * change leaves unexplained is the camera's, as far as a camera may answer so. Beyond that the scene moved as well. */
+/* What the controls did between the frame that is so many frames before this one and its predecessor, by the best
+ * guess. What a change leaves unexplained is the camera's, within the bounds of what a camera may do. Beyond them the
+ * scene has moved as well. */
 static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32_t before, double *unexplained,
                       int *changes)
 {
@@ -298,7 +298,7 @@ static double done_in(const sensor_estimate *a, const sensor_past *frame, uint32
     return done;
 }
 
-/* Another guess is the best one now: in the last frames the controls did what that one says. */
+/* Another guess is best now: corrects what the controls did in the last frames. */
 static double redo(sensor_estimate *a)
 {
     double redone = 0.0, unexplained;
@@ -396,7 +396,7 @@ static __attribute__((noinline)) uint32_t delay_of(const pupil_sensor_object *o,
                                                                                                      : 0;
 }
 
-/* What was asked for since the frame before holds for all that were lost. */
+/* Counts frames, lost ones too: what was asked for after the frame before holds for all that were lost. */
 static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
@@ -410,7 +410,7 @@ static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
     a->frame = (a->frame + a->gap) % SENSOR_RING;
 }
 
-/* What the first frame was taken with was in force for some time. */
+/* Takes the setting of the first frame to have been in force for some time. */
 static void begin_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     double first[SENSOR_CONTROLS] = {a->requested[0], a->requested[1]};
@@ -437,7 +437,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     read_metadata(o, info);
     if (a->has_level && !v->is_dead && !o->announced.frames) {
         compare(o, v);
-    } else { /* the light may have moved as the controls did: they are taken at their word */
+    } else { /* the light may have moved with the controls: their nominal effect is used */
         survey(a);
         follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY, 0.0);
     }
@@ -450,7 +450,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     }
 }
 
-/* The control was asked for about one thing only, for longer than any delay. */
+/* The request of the control has not changed for longer than any delay. */
 static int is_idle(const sensor_estimate *a, int control)
 {
     for (uint32_t h = 1; h <= SENSOR_DELAYS; h++)
@@ -476,8 +476,8 @@ uint32_t pupil_sensor_longest_delay(const pupil_sensor_object *o)
     return o->config.delay_frames;
 }
 
-/* The change of the setting from one to the requested one did so much of what was expected of it. Of both controls
- * the one that moved further has the larger part in it (normalised least mean squares). */
+/* The change from a setting to the requested one had the effect `seen` in place of `expected`. The control that moved
+ * further gets the larger part of the correction (normalised least mean squares). */
 void pupil_sensor_learn(pupil_sensor_object *o, const double from[SENSOR_CONTROLS], double expected, double seen)
 {
     sensor_estimate *a = &o->estimate;

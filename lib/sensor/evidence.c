@@ -1,5 +1,5 @@
-/* What a frame says of the light, and whether it says anything. A clipped picture says "at least so bright", a black
- * one "at most so bright": neither shows what a control did. */
+/* What a frame shows of the light, if anything. A clipped picture says "at least so bright", a black one "at most so
+ * bright": neither shows what a control did. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -22,8 +22,8 @@ static double weight_from(const pupil_stats *stats, int bin, int count)
     return (double)sum / (double)stats->weight;
 }
 
-/* A spike at the top with nothing above it is clipped light, at any code at which the sensor saturates: two bins, for
- * white may be noisy, and may be at the edge of two. */
+/* A spike at the top with nothing above it is clipped light, regardless of the code at which the sensor saturates. It
+ * has two bins, because white may be noisy, or on the edge of two. */
 static void find_top(const pupil_stats *stats, sensor_evidence *v)
 {
     int bin = PUPIL_HISTOGRAM_BINS - 1;
@@ -41,7 +41,7 @@ static int is_bright(const pupil_sensor_config *c, double top)
     return top > pupil_log2(c->clip) + pupil_log2(c->key) + SENSOR_BRIGHT_EV;
 }
 
-/* Which light counts as clipped. */
+/* Which share of the frame counts as clipped. */
 static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
 {
     const double white = pupil_log2(o->config.clip);
@@ -55,7 +55,7 @@ static void find_clipped(const pupil_sensor_object *o, sensor_evidence *v)
     v->is_number = v->full_share < SENSOR_BLIND_CLIPPED && v->black_share < 0.5 && v->mean > white - SENSOR_DARK_EV;
 }
 
-/* Without what a wrong black level adds: the mean of the bins, each as its middle. */
+/* The mean without a wrong black level: of the bins, each taken as its middle. */
 static void subtract_black(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v)
 {
     double sum = 0.0, counted = 0.0;
@@ -67,14 +67,14 @@ static void subtract_black(const pupil_sensor_object *o, const pupil_stats *stat
     v->mean = sum / counted;
 }
 
-/* Levels of the frame that hold a rank; where a rank is clipped or black, only that they are above or below. */
+/* The levels of some quantiles; of a clipped or black one only a bound. */
 static void find_orders(const pupil_sensor_object *o, const pupil_stats *stats, sensor_evidence *v, double dark)
 {
     const int has_bins = stats && pupil_stats_are_counted(stats);
     double quantile[SENSOR_ORDERS];
     if (has_bins) {
         pupil_stats_quantiles(stats, order_share, SENSOR_ORDERS, quantile);
-        v->rank[0] = quantile[SENSOR_ORDERS - 1]; /* the darkest of them, the median, and the brightest but one */
+        v->rank[0] = quantile[SENSOR_ORDERS - 1]; /* the darkest, the median, and the second brightest */
         v->rank[1] = quantile[0];
         v->rank[2] = quantile[SENSOR_ORDERS - SENSOR_BRIGHT_ORDER];
     }
@@ -131,9 +131,8 @@ void pupil_sensor_evidence_of_level(const pupil_sensor_object *o, double mean, d
     find_orders(o, 0, v, -SENSOR_FAR_AWAY);
 }
 
-/* Light above what was taken for white shows that it is none, now and later: a companded picture is flat below its
- * bend.
- */
+/* Light above what was taken for white shows, now and later, that it is not white: a companded picture is flat below
+ * its knee. */
 void pupil_sensor_white_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;
@@ -141,7 +140,7 @@ void pupil_sensor_white_frame(pupil_sensor_object *o, const sensor_evidence *v)
     w->is_found &= w->highest <= w->level + SENSOR_STUCK_EV;
 }
 
-/* A flat top that stays where it is while the setting moves is white. */
+/* A flat top that does not move with the setting is white. */
 void pupil_sensor_find_white(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_white *w = &o->white;

@@ -1,11 +1,11 @@
-/* What the picture is to become: far off, in one step; near, by a slow filter that becomes quick where light moves to
- * one side. */
+/* How bright the picture should become: from far off in one step; nearby by a slow filter, which is faster where light
+ * moves to one side. */
 #include "sensor_private.h"
 
 #include "base/key.h"
 #include "base/numeric.h"
 
-/* Stops of the picture for one of light: of both controls, for a tone curve bends both alike. */
+/* Stops of the picture for one stop of light: the mean of both controls, since a tone curve affects both alike. */
 static double slope_of(const pupil_sensor_object *o)
 {
     return 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
@@ -24,7 +24,7 @@ static double light_of(const pupil_sensor_object *o, double mean)
     return (mean - grey) / slope_of(o) + grey - o->estimate.in_force[0] - o->estimate.in_force[1];
 }
 
-/* What a frame's mean is to be: the key, or that at this light of the scene. */
+/* What a frame's mean should be: the key, or key_at for this scene light. */
 static double aim_at(const pupil_sensor_object *o, double light)
 {
     const pupil_sensor_config *c = &o->config;
@@ -42,8 +42,8 @@ double pupil_sensor_plan_for(const pupil_sensor_object *o, double ev)
 static double held_back(const pupil_sensor_config *c, const sensor_evidence *v, double above_effect, double highlight)
 {
     const double room = v->white - v->highlight;
-    double most = room - SENSOR_HIGHLIGHT_AIM_EV;               /* the picture may become so much brighter */
-    if (v->clipped_share > c->highlight_share || room <= 0.0) { /* by how much it is over is not known */
+    double most = room - SENSOR_HIGHLIGHT_AIM_EV;               /* the picture may become brighter by this */
+    if (v->clipped_share > c->highlight_share || room <= 0.0) { /* how far highlights are above white is estimated */
         most = v->white - highlight - SENSOR_HIGHLIGHT_AIM_EV;
     }
     return clamp(above_effect - most, 0.0, c->highlight_ev);
@@ -55,7 +55,7 @@ static int is_at_rest(const sensor_plan *p)
     return p->near_frames >= SENSOR_HIGHLIGHT_FRAMES;
 }
 
-/* By how much the highlights are off. They are known from bins: at rest, what is less than part of one is nothing. */
+/* By how much the highlights are off. They are known from bins: at rest, an error below a part of a bin is ignored. */
 static double highlight_off(const sensor_plan *p, double held_ev)
 {
     const double off = held_ev - p->held_back_ev;
@@ -63,8 +63,8 @@ static double highlight_off(const sensor_plan *p, double held_ev)
     return off - clamp(off, -least_ev, least_ev);
 }
 
-/* Stops a frame by which the highlights may move the level. Whether they are still clipped is seen a delay later: what
- * has moved until then is no more than the room that is aimed at. */
+/* Stops a frame by which the highlights may move the level. Whether they are still clipped is seen only after the
+ * delay: until then the level may move by no more than the room that is aimed at. */
 static double highlight_move_ev(const pupil_sensor_object *o)
 {
     if (is_at_rest(&o->plan))
@@ -90,11 +90,10 @@ static double blind_step(const sensor_plan *p, double side)
     return smaller(ev, SENSOR_BLIND_EV);
 }
 
-/* The effect that this frame asks for.
- *
- * A clipped frame's mean is too low, so its goal is between the frame's own effect and the right one: one such step
- * after another comes nearer from one side. Only where this says "far too bright" a guess may go further, and too far;
- * what comes after it comes from the dark side, without guesses. So guesses cannot make it swing. */
+/* The effect that this frame asks for.  A clipped frame's mean is too low, so its goal is between the frame's own
+ * effect and the right one: such steps approach the aim from one side. Only where the frame is far too bright may a
+ * guess go further, even too far; the steps after that come from the dark side, without guesses. So guesses cannot make
+ * the loop swing. */
 static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
@@ -122,13 +121,13 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
         goal = blind_step(p, 1.0);
         p->is_guess = 1;
     }
-    /* of a picture that is far off, little is known of its highlights */
+    /* if the picture is far off, little is known of its highlights */
     const double near_ev = SENSOR_FAR_TIMES * c->far_ev;
     const double off = highlight_off(p, v->has_highlight ? held_back(c, v, goal, highlight) : 0.0);
     p->moved = 0.0;
     const int is_waiting = pupil_sensor_is_pending(o) || o->announced.frames;
     const double far = effect + goal - p->held_back_ev - p->wanted;
-    const double low = smaller(far, 0.0), by_them = clamp(off, low, far - low); /* they may be all that is off */
+    const double low = smaller(far, 0.0), by_them = clamp(off, low, far - low); /* highlights may be the only error */
     if (size_of(far - by_them) < near_ev && !is_waiting) {
         const double fast_ev = highlight_move_ev(o);
         const double move = clamp(SENSOR_HIGHLIGHT_WEIGHT * off, -fast_ev, fast_ev);
@@ -139,8 +138,8 @@ static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
     p->goal = effect + goal - p->held_back_ev;
 }
 
-/* Frames that have to say the same before anything large is done, because light may come and go within a frame or two:
- * not while the first setting is looked for. What all of them ask for is done. */
+/* Whether too few frames have said the same for a large step: light may come and go within a frame or two. Not while
+ * the first setting is looked for. The step is the least that all of them ask for. */
 static int is_flash(pupil_sensor_object *o, double off)
 {
     sensor_plan *p = &o->plan;
@@ -151,14 +150,14 @@ static int is_flash(pupil_sensor_object *o, double off)
     return !p->is_looking && p->far_frames <= o->config.flash_frames;
 }
 
-/* The delays are known, or that of the only control that moves: what is in force in a frame is not in doubt. */
+/* The delays are known, or that of the only control that moves: so it is known what each frame was taken with. */
 static int is_timed(const sensor_estimate *a)
 {
     return a->is_borne_out ||
            ((a->delay[0] || !pupil_sensor_is_waited_for(a, 0)) && (a->delay[1] || !pupil_sensor_is_waited_for(a, 1)));
 }
 
-/* The largest share of the way that may be gone in a frame. */
+/* The largest weight of the filter. */
 static double most_weight(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
@@ -166,7 +165,7 @@ static double most_weight(const pupil_sensor_object *o)
     return is_timed(a) ? SENSOR_TRACK_WEIGHT : SENSOR_DELAY_WEIGHT * gap / delay;
 }
 
-/* Stops a frame by which the light moves, where it has moved so in each of the last frames, and clearly. */
+/* Stops a frame by which the light moves, if it clearly moved to one side in each of the last frames; else 0. */
 static double ramp_of(const sensor_estimate *a)
 {
     double least = a->scene_moved[0];
@@ -178,7 +177,7 @@ static double ramp_of(const sensor_estimate *a)
     return size_of(least) > SENSOR_RAMP_NOISE * a->noise_ev ? least : 0.0;
 }
 
-/* The share of the way that is usual: less at rest, where noise would be seen, as that of few and dark frames is. */
+/* The usual weight of the filter: less at rest, where noise would be visible. */
 static double usual_weight(const pupil_sensor_object *o)
 {
     const double tau_s = o->config.tau_s, share = SENSOR_CALM_EV / o->estimate.noise_ev;
@@ -186,14 +185,14 @@ static double usual_weight(const pupil_sensor_object *o)
     return is_at_rest(&o->plan) ? clamp(share * share, SENSOR_CALM_SHARE * usual, usual) : usual;
 }
 
-/* What is wanted moves towards the goal, which is near. */
+/* `wanted` moves towards a goal that is near. */
 static void filter(pupil_sensor_object *o, double off)
 {
     sensor_plan *p = &o->plan;
     const pupil_sensor_config *c = &o->config;
     const double usual = usual_weight(o), most = most_weight(o);
     double move = off * smaller(usual, most);
-    double most_ev = larger(SENSOR_GLIDE_EV, size_of(move)); /* what is near is tau_s's alone */
+    double most_ev = larger(SENSOR_GLIDE_EV, size_of(move)); /* nearby only tau_s counts */
     if (size_of(off) < SENSOR_LAST_EV && p->beyond != 0.0) { /* not seen: the setting goes to the limit */
         move = off;
     } else if (p->far_frames > c->flash_frames) {
@@ -202,11 +201,11 @@ static void filter(pupil_sensor_object *o, double off)
     } else if (is_timed(&o->estimate) && p->beyond == 0.0) {
         move -= ramp_of(&o->estimate); /* brighter light, less effect */
     }
-    p->wanted += clamp(move, -most_ev - p->moved, most_ev - p->moved); /* with the highlights no more than that */
+    p->wanted += clamp(move, -most_ev - p->moved, most_ev - p->moved); /* the move by highlights included */
 }
 
-/* Whether the change that is awaited has come. A frame that is mostly clipped or black only says on which side it is.
- * A change that came with its setting is over once more frames say so than a flash has. */
+/* Whether the announced change has come. A frame that is mostly clipped or black only shows the side. The wait ends
+ * when the change, with its setting, is seen in more frames than a flash lasts. */
 static void await_change(pupil_sensor_object *o, const sensor_evidence *v, double goal)
 {
     sensor_plan *p = &o->plan;
