@@ -1,4 +1,4 @@
-/* What the camera made of a step, once it is in force, and whether what was learned from that is wrong. */
+/* What a step did, once it is in force, and whether what was learned from steps is wrong. */
 #include "sensor_private.h"
 
 static void agree(pupil_sensor_object *o)
@@ -8,7 +8,7 @@ static void agree(pupil_sensor_object *o)
     o->search.agreed_effect = o->estimate.effect;
 }
 
-/* Where the error is large and does not shrink, what was learned of the camera is wrong: it is forgotten. */
+/* If a large error does not shrink, what was learned of the camera is wrong, and is doubted. */
 void pupil_sensor_watch_error(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -27,7 +27,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
         s->wrong_ev = size;
         return;
     }
-    /* what is a little off and was asked for again once waits for steps that are on their way: calm at rest */
+    /* after a first doubt, or if the error is small, steps in flight are waited for: calm at rest */
     const int is_calm = s->wrong_times || size < SENSOR_UNPIN_EV;
     s->wrong_frames += pupil_sensor_is_pending(o) && is_calm ? 0 : o->estimate.gap;
     const uint32_t most = pupil_sensor_wait_frames(o) + (s->is_resting ? SENSOR_REST_FRAMES : SENSOR_WRONG_FRAMES);
@@ -45,7 +45,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     agree(o);
 }
 
-/* What the picture of a step by `ev` shows of the camera's white, and of its black level; whether that is known now. */
+/* Looks for white and the black level after a step of `ev`. Returns whether the black level was just found. */
 static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double ev)
 {
     const int had_black = o->black.value > 0.0;
@@ -55,8 +55,8 @@ static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double 
     return !had_black && o->black.value > 0.0;
 }
 
-/* Once a large step is in force: what it did. A weak answer may come from a scene that moved, so it has to come twice;
- * but while nothing is known of the camera, once is enough. */
+/* Once a large step is in force: what it did. A weak response may come from a scene that moved, so it has to be seen
+ * twice; once, while nothing is known of the camera. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
@@ -65,7 +65,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     const double plain = a->requested[0] - s->from[0] + a->requested[1] - s->from[1], share = seen / expected;
     s->is_large = 0;
     if (finds_black(o, v, plain))
-        return; /* the step was asked for by another level */
+        return; /* the step was asked for with another black level */
     if ((o->plan.goal - a->effect) * expected < 0.0 && size_of(o->plan.goal - a->effect) > 0.5 * size_of(expected)) {
         pupil_sensor_overshot(a); /* the controls do more than was believed */
         s->unanswered = s->weak = 0;
@@ -79,7 +79,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
     s->deaf = s->unanswered ? s->deaf + (s->deaf < 2) : 0;
     if (is_wrong && !s->is_searching)
         pupil_sensor_begin_search(o, o->plan.wanted - a->effect);
-    const double large = share < SENSOR_WEAK ? expected : plain; /* what is thought to do much goes in small steps */
+    const double large = share < SENSOR_WEAK ? expected : plain; /* a large response makes small steps */
     if (size_of(large) < SENSOR_STEP_EV)
         return;
     s->weak = share < SENSOR_WEAK ? s->weak + (s->weak < 2) : 0;
@@ -88,7 +88,7 @@ static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
         pupil_sensor_learn(o, s->from, expected, seen);
 }
 
-/* What a step did, by the request and by the metadata, and as it was seen. What was looked for may be known now. */
+/* Compares a step by request, by metadata and as seen. Once the metadata are trusted, the exposures need no search. */
 static void weigh(pupil_sensor_object *o, double asked, double said, double seen)
 {
     sensor_search *s = &o->search;
@@ -100,7 +100,7 @@ static void weigh(pupil_sensor_object *o, double asked, double said, double seen
     }
 }
 
-/* A large step is in force: whether the metadata say better than the request what it did. */
+/* A large step is in force: whether the metadata predicted its effect better than the request. */
 static void weigh_step(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const sensor_estimate *a = &o->estimate;
@@ -113,9 +113,9 @@ static void weigh_step(pupil_sensor_object *o, const sensor_evidence *v)
         weigh(o, asked, said, a->effect - o->search.effect_from);
 }
 
-/* After small steps the metadata say that the exposure moved by more than all that was asked for within any delay, and
- * by no more than a camera may round: whether the picture moved so, too. Where nothing was asked for, it is the
- * camera's own automatic. */
+/* After small steps, if the metadata say that the exposure moved by more than was asked for within any delay, but by no
+ * more than a camera may round: whether the picture moved so, too. If nothing was asked for, the camera's own automatic
+ * did it. */
 static void weigh_frame(pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
@@ -130,9 +130,9 @@ static void weigh_frame(pupil_sensor_object *o)
         weigh(o, said < 0.0 ? least - most : most - least, said, a->answered);
 }
 
-/* A small step of the setting and a large one of the picture: a light, or a camera that jumps there, as gains do where
- * one amplifier hands over to another. What jumps up with a step up and down with one down is the camera, unless light
- * that flickers moves as far without a step. */
+/* A small step of the setting and a large one of the picture: either the light changed, or the camera jumps there, as
+ * gains do where one amplifier hands over to another. If the picture jumps up with a step up and down with a step down,
+ * it is the camera, unless flicker moves it as far without a step. */
 static void find_jump(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -151,8 +151,8 @@ static void find_jump(pupil_sensor_object *o)
     s->jumped_ev = moved;
 }
 
-/* Steps that are too small to be evaluated each: together they have to do what they should, from the last setting on
- * that did. */
+/* Steps that are too small to be evaluated one by one: since the last setting that agreed, their sum has to do what it
+ * should. */
 static void watch_small(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;

@@ -1,11 +1,11 @@
-/* Light of a wrong black level: the same value is added to all pixels. Then a step of the setting moves the values v of
- * two ranks to b + (v - b) r, with the same b and the r that was asked for. A tone curve has another b for each rank,
- * and so has a control that does nothing. */
+/* Finds a wrong black level: the same value is added to all pixels. Then a step of the setting moves the values v of
+ * two ranks to b + (v - b) r, with the same b and the r that was asked for. With a tone curve, or a control that does
+ * nothing, each rank has another b. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
 
-/* The value b that stays where a step of `ev` stops has moved a value from one log2 to another. */
+/* The value b, of the step of `ev` stops that has moved a value from one log2 to another. */
 static double fixed_value(double from, double to, double ev)
 {
     const double ratio = pupil_exp2(ev);
@@ -60,9 +60,9 @@ void pupil_sensor_find_black(pupil_sensor_object *o, const sensor_evidence *v, d
         return;
     const int is_one = is_one_level(b, v, ev, value);
     const int is_again = is_one && size_of(value[0] - b->candidate) < SENSOR_BLACK_ALIKE * value[0];
-    if (is_one || size_of(ev) >= 2.0 * SENSOR_BLACK_STEP_EV) /* small steps are the least sure */
+    if (is_one || size_of(ev) >= 2.0 * SENSOR_BLACK_STEP_EV) /* small steps are the least reliable */
         b->candidate = is_one ? value[0] : 0.0;
-    if (is_again && b->value == 0.0) { /* what was learned of the controls was the black level's */
+    if (is_again && b->value == 0.0) { /* what was learned of the controls came from the black level */
         o->estimate.response[0] = o->estimate.response[1] = 1.0;
         o->estimate.learned = 0;
     }

@@ -1,9 +1,9 @@
-/* What light a frame had that is partly clipped. */
+/* Estimates the light of a partly clipped frame. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
 
-/* x above which there is a share p of a normal distribution. */
+/* The x above which a normal distribution has the share p. */
 static double normal_quantile(double p)
 {
     static const double up[] = SENSOR_QUANTILE_UP, down[] = SENSOR_QUANTILE_DOWN;
@@ -15,11 +15,11 @@ static double normal_quantile(double p)
 
 static double density(double z)
 {
-    /* the room grows without bound where the spread is small */
+    /* z has no upper bound where the spread is small */
     return z > SENSOR_NORMAL_END ? 0.0 : SENSOR_NORMAL_DENSITY * pupil_exp2(-0.5 * SENSOR_LOG2_E * z * z);
 }
 
-/* The share of it above z >= 0. */
+/* The share of a normal distribution above z >= 0. */
 static double share_above(double z)
 {
     static const double k[] = SENSOR_ABOVE;
@@ -47,7 +47,7 @@ void pupil_sensor_guess(const pupil_sensor_config *config, const sensor_evidence
     *mean = v->white - z * sigma > *mean ? v->white - z * sigma : *mean;
     if (c > config->highlight_share)
         *highlight += (normal_quantile(config->highlight_share) - z) * sigma;
-    /* where the mean of the whole has to be, so that the mean of what clipping leaves of it is where it should */
+    /* finds where the true mean has to be, so that the mean after clipping is as wanted */
     for (int i = 0; i < SENSOR_LOST_ROUNDS && sigma > 0.0; i++) {
         const double room = (v->white - wanted - *lost) / sigma;
         *lost = room > 0.0 ? sigma * (density(room) - room * share_above(room)) : 0.0;

@@ -1,4 +1,4 @@
-/* Day or night, from the light of the scene as it is without what filters let through. */
+/* Day or night, from the light of the scene without that of announced filters. */
 #include "sensor_private.h"
 
 void pupil_sensor_day_night_frame(pupil_sensor_object *o)
@@ -12,7 +12,7 @@ void pupil_sensor_day_night_frame(pupil_sensor_object *o)
         d->side = 0;
         return;
     }
-    if (o->announced.frames) /* with which filter the frame was taken is not known */
+    if (o->announced.frames) /* it is not known with which filter the frame was taken */
         return;
     if (*now == PUPIL_SENSOR_DAY_NIGHT_UNKNOWN) /* at first the middle decides */
         side = light < 0.5 * (c->night_ev + c->day_ev) ? PUPIL_SENSOR_NIGHT : PUPIL_SENSOR_DAY;

@@ -1,10 +1,12 @@
-/* What was in force in a frame, and what the controls did to the picture.  For each control there are these guesses:
- * what was asked for 1, 2, ... 16 frames before is in force; or what the metadata report. Between two frames each pair
- * of guesses says by how much the picture's level should have moved; the remainder is the scene's movement. A scene may
- * move at any time, but hardly just when a wrong guess expects a step. So the guess with the larger remainder loses.
- * Two frames in which all guesses agree cost nothing.  The effect of the controls is the sum of what they were seen to
- * do, from frame to frame: so a camera that responds otherwise than it should is followed, and the shown picture does
- * not jump with it. */
+/* What was in force in a frame, and what the controls did to the picture.
+ *
+ * For each control there are these guesses: what was asked for 1, 2, ... 16 frames before is in force; or what the
+ * metadata report. Between two frames each pair of guesses says by how much the picture's level should have moved; the
+ * remainder is the scene's movement. A scene may move at any time, but hardly just when a wrong guess expects a step.
+ * So the guess with the larger remainder loses. Two frames in which all guesses agree cost nothing.
+ *
+ * The effect of the controls is the sum of what they were seen to do, from frame to frame: so a camera that responds
+ * otherwise than it should is followed, and the shown picture does not jump with it. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -437,7 +439,7 @@ void pupil_sensor_estimate_frame(pupil_sensor_object *o, const sensor_evidence *
     read_metadata(o, info);
     if (a->has_level && !v->is_dead && !o->announced.frames) {
         compare(o, v);
-    } else { /* the light may have moved with the controls: their nominal effect is used */
+    } else { /* the light may have moved with the controls: they count as expected */
         survey(a);
         follow_effect(o, -SENSOR_FAR_AWAY, SENSOR_FAR_AWAY, 0.0);
     }

@@ -1,9 +1,9 @@
-/* Much of one control in exchange for the other. */
+/* Exchanges much of one control for the other, in parts. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
 
-/* To what the camera has. */
+/* Rounds a setting to one that the camera has. */
 static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CONTROLS], double *e, double *g)
 {
     const pupil_sensor_config *c = &o->config;
@@ -15,7 +15,7 @@ static void round_setting(const pupil_sensor_object *o, double setting[SENSOR_CO
     setting[1] = pupil_log2(*g);
 }
 
-/* Until it is known which frames have what, one control moves alone: the gain, or else the exposure. Whether that is
+/* Until the delays are known, one control moves alone: the gain, or else the exposure. Returns whether that is
  * enough. */
 static int move_one(const pupil_sensor_object *o, double total, double part[SENSOR_CONTROLS], double *e, double *g)
 {
@@ -31,8 +31,8 @@ static int move_one(const pupil_sensor_object *o, double total, double part[SENS
     return 0;
 }
 
-/* Much of one control in exchange for the other goes in parts: between two delays a frame has the one and not yet the
- * other, and the digital factor can make up for so much only. Whether this is a part, which replaces the setting. */
+/* Exchanges in parts: if the delays differ, a frame has one change and not yet the other, and the digital factor can
+ * make up for only so much. Returns whether `setting` was replaced by a part. */
 int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS],
                                      double *e, double *g)
 {

@@ -1,5 +1,5 @@
-/* Which setting gives the picture that is wanted, and whether it is asked for now. A camera that answers as its numbers
- * say has it at once; for one that answers otherwise it is searched. */
+/* Which setting gives the wanted picture, and whether it is asked for now: at once on a camera that responds as its
+ * numbers say; otherwise it is searched. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -13,7 +13,7 @@ static double hold_of(const pupil_sensor_object *o)
     return is_calm ? larger(hold_ev, SENSOR_COARSE_EV) : hold_ev;
 }
 
-/* A part of an exchange in which one control alone would move, and by less than a setting is changed for. */
+/* Whether a part of an exchange would move one control only, by less than a setting is changed for. */
 static int is_kept(const pupil_sensor_object *o, const double part[SENSOR_CONTROLS])
 {
     const double *now = o->estimate.requested;
@@ -41,7 +41,7 @@ static void ask(pupil_sensor_object *o, double total, int may_be_a_part)
     s->set = total;
     if (e == o->setting.exposure_s && g == o->setting.gain)
         return;
-    if (!a->has_frame) /* it is taken to be in force in the first one */
+    if (!a->has_frame) /* it counts as in force in the first frame */
         a->effect += pupil_sensor_effect(a, a->requested, setting);
     const double moves = size_of(setting[0] - a->requested[0]) + size_of(setting[1] - a->requested[1]);
     if ((moves > SENSOR_LARGE_EV || s->is_searching) && a->has_frame) {
@@ -68,7 +68,7 @@ static void report_total(pupil_sensor_object *o)
     t->limits = pupil_sensor_limits(o);
 }
 
-/* Another frame: another light makes some of what was seen worthless. */
+/* Counts a frame. In another light some of what was seen is no longer valid. */
 void pupil_sensor_count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -83,7 +83,7 @@ void pupil_sensor_count_frame(pupil_sensor_object *o)
     }
 }
 
-/* Whether the setting is to change: never further than the frame itself says, and never where it says the opposite. */
+/* Whether the setting should change: not by much more than this frame asks for, and not if it asks for the opposite. */
 static int is_due(pupil_sensor_object *o, double need, double left)
 {
     sensor_search *s = &o->search;
@@ -91,7 +91,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     const double error = o->plan.goal - a->effect, large_ev = SENSOR_LARGE_EV, hold_ev = hold_of(o);
     const int is_opposite = need * error < 0.0 && size_of(error) > o->config.far_ev;
     const int is_backward = is_opposite || (size_of(need) > large_ev && size_of(error) < 0.5 * size_of(need));
-    /* of a camera that does not do small steps they are left to the digital factor */
+    /* if the camera does not do small steps, the digital factor does them */
     if (a->unexplained != 0.0) {
         s->is_blunt = 1;
         s->blunt_wanted = o->plan.wanted;
@@ -103,7 +103,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
-/* Much of one control in exchange for the other, for little: what an exchange misses is no more than that. */
+/* Whether much of one control would be exchanged for the other to gain little: an exchange may miss by as much. */
 static int is_much_for_little(const pupil_sensor_object *o, const double setting[SENSOR_CONTROLS], double need)
 {
     const double *now = o->estimate.requested;
@@ -112,7 +112,7 @@ static int is_much_for_little(const pupil_sensor_object *o, const double setting
     return is_much && move[0] * move[1] < 0.0 && size_of(need) <= SENSOR_MISMATCH_EV;
 }
 
-/* The setting that is there is near, and another one is not worth it. */
+/* The present setting is near, and another one is not worth an exchange. */
 static int is_left_alone(const pupil_sensor_object *o, double total, double need)
 {
     double setting[SENSOR_CONTROLS];
@@ -134,7 +134,7 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
         return;
     s->total = pupil_sensor_search_at(o, total, need);
     ask(o, s->total, 1);
-    if (!s->since) { /* a step was asked for: how it looked before */
+    if (!s->since) { /* a step was asked for: keep how the picture was before */
         o->white.top = v->spike > 0.0 ? v->top : SENSOR_FAR_AWAY;
         pupil_sensor_black_before(o, v);
     }
@@ -170,8 +170,8 @@ void pupil_sensor_move_to(pupil_sensor_object *o, double effect)
     report_total(o);
 }
 
-/* The total, brought into what the camera can under the current configuration. Where both controls are held, what was
- * rounded is held, too. */
+/* Begins with a total, clamped to the limits of the current configuration. If both controls are held, what was rounded
+ * is held, too. */
 void pupil_sensor_begin(pupil_sensor_object *o, double total)
 {
     sensor_search *s = &o->search;

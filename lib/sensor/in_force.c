@@ -1,7 +1,7 @@
 /* Whether the setting that was asked for last is in force. */
 #include "sensor_private.h"
 
-/* Whether only the metadata are left to say what is in force; those that the picture has borne out are (estimate.c). */
+/* Whether only the metadata are left as a guess: those that the picture has confirmed are believed (estimate.c). */
 static int is_by_metadata(const sensor_estimate *a)
 {
     return a->reports && a->alive[0] == 1 && a->alive[1] == 1;
@@ -42,8 +42,8 @@ int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
         is_there &= is_in;
         is_late |= !is_in && a->reports && !a->best[c];
     }
-    /* Metadata that nothing contradicts say that it is not: the delay may be longer than was believed. And where frames
-     * are lost because the program is slow, those that come have waited in the driver: they are counted. */
+    /* Uncontradicted metadata say that it is not in force: the delay may be longer than believed. And if a slow program
+     * loses frames, those that arrive have waited in the driver: only those are counted. */
     const uint32_t usual = pupil_sensor_wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
     const int is_waiting = o->search.since < usual || (is_late && o->search.looks < (usual > least ? usual : least));
     return is_waiting && !(is_there && is_by_metadata(a));

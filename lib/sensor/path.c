@@ -1,11 +1,10 @@
-/* The path of settings, from the darkest to the brightest: what the picture makes of a total on it, by what the
- * controls are known to do. */
+/* The path of settings, from the darkest to the brightest: the effect of a total on it, by the learned responses. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
 
-/* The effect of a total beyond that of the requested setting; and its setting. What the setting lacks of the total is
- * the digital factor's. */
+/* The effect of a total, less that of the requested setting; and the setting for it. What that setting lacks of the
+ * total is left to the digital factor. */
 double pupil_sensor_effect_of(const pupil_sensor_object *o, double total, double setting[SENSOR_CONTROLS])
 {
     double e, g;
@@ -43,7 +42,7 @@ void pupil_sensor_path_ends(const pupil_sensor_object *o, double *least, double 
     *most = setting[0] + setting[1];
 }
 
-/* The total whose effect is so much beyond that of the requested setting, by what the controls are known to do. */
+/* The total whose effect is `need` more than that of the requested setting, by the learned responses. */
 double pupil_sensor_total_for(const pupil_sensor_object *o, double need)
 {
     const sensor_estimate *a = &o->estimate;
@@ -51,7 +50,7 @@ double pupil_sensor_total_for(const pupil_sensor_object *o, double need)
     pupil_sensor_path_ends(o, &low, &high);
     if (a->response[0] == 1.0 && a->response[1] == 1.0)
         return clamp(a->requested[0] + a->requested[1] + need, low, high);
-    /* all there is: what rounding leaves of the last step is not the digital factor's */
+    /* out of reach: the limit itself, so that no part of the last step is left to the digital factor */
     if (pupil_sensor_effect_of(o, high, setting) <= need + SENSOR_ROUND)
         return high;
     if (pupil_sensor_effect_of(o, low, setting) >= need - SENSOR_ROUND)

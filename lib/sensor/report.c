@@ -25,7 +25,7 @@ const char *pupil_sensor_day_night_name(uint32_t day_night)
     return day_night_names[day_night < sizeof day_night_names / sizeof day_night_names[0] ? day_night : 0];
 }
 
-/* The camera ignores its settings: now, or in the steps to what would else be reported as a limit. */
+/* The camera ignores its settings: now, or in the steps toward what would otherwise be reported as a limit. */
 static int is_ignored(const pupil_sensor_object *o)
 {
     const sensor_search *s = &o->search;
@@ -33,7 +33,7 @@ static int is_ignored(const pupil_sensor_object *o)
            (s->deaf > 1 && size_of(o->plan.beyond) > SENSOR_WRONG_EV);
 }
 
-/* What is shown, or what is wanted, is not where it should be; beyond a limit that is not known. */
+/* What is shown or wanted is off. Of what is shown, that is not known beyond a limit. */
 static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 {
     const sensor_plan *p = &o->plan;
@@ -42,7 +42,7 @@ static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
     return size_of(o->setting.error_ev) > o->config.far_ev || (p->beyond == 0.0 && size_of(shown) > o->config.far_ev);
 }
 
-/* A camera that does not take its setting gets it again, for its own automatic may be back. */
+/* A camera that does not take its setting gets it again, because its own automatic may have come back on. */
 static void write_again(pupil_sensor_object *o)
 {
     const double dt_s = o->setting.dt_s, most_s = 0.5 * SENSOR_REWRITE_S; /* not in two frames in a row */
@@ -55,7 +55,7 @@ static void write_again(pupil_sensor_object *o)
     o->setting.changed = 1;
 }
 
-/* Why the level is not where the key alone would have it, or not to be trusted. */
+/* Why the level is not what the key asks for, or is not reliable. */
 static uint32_t reason_of(const pupil_sensor_object *o)
 {
     const double slope = o->setting.slope;
@@ -80,7 +80,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_within = size_of(o->plan.beyond) <= SENSOR_SETTLED_EV;
-    if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state is what it was; but what is shown is off */
+    if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state remains; but what is shown is off */
         s->reason = PUPIL_SENSOR_FLASH;
         s->state = s->state == PUPIL_SENSOR_CONVERGED ? PUPIL_SENSOR_SEARCHING : s->state;
         return;
@@ -100,7 +100,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     } else if (!is_within) { /* also while a step to the limit is on its way */
         s->state = PUPIL_SENSOR_LIMITED;
         s->reason = pupil_sensor_limit(o, o->plan.beyond > 0.0);
-        if (size_of(o->plan.beyond) > SENSOR_WRONG_EV) /* at an end, an own automatic looks like a limit */
+        if (size_of(o->plan.beyond) > SENSOR_WRONG_EV) /* at a limit, the camera's own automatic may be the cause */
             write_again(o);
     } else if (is_below_mains(o)) {
         s->state = PUPIL_SENSOR_FLICKER;

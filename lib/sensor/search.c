@@ -1,6 +1,6 @@
-/* The search for a setting on a camera that answers otherwise than its numbers say, from the points that were seen:
- * where more never makes the picture darker, the wanted effect is between a point below and one above it. One control
- * moves, the other one is pinned. */
+/* The search for a setting on a camera that responds otherwise than its numbers say. Because more never makes the
+ * picture darker, the wanted effect is between a point that was seen below it and one above it. One control moves, the
+ * other one is pinned. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -10,7 +10,8 @@ void pupil_sensor_forget_points(sensor_search *s)
     __builtin_memset(s->point, 0, sizeof s->point);
 }
 
-/* The requested setting and what it does. Points that contradict it are of another time: more never makes darker. */
+/* Remembers the requested setting and its effect. Points that contradict it are outdated, because more never makes the
+ * picture darker. */
 void pupil_sensor_remember(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
@@ -40,8 +41,8 @@ static double sum_of(const sensor_point *p)
     return p->setting[0] + p->setting[1];
 }
 
-/* The brightest setting of those that were too dark, and the darkest of those that were not. By the setting, for of two
- * that do the same, noise makes either the brighter one. */
+/* The brightest setting of those that were too dark, and the darkest of those that were not: compared by setting,
+ * because noise decides which of two equal effects is larger. */
 static void surround(const pupil_sensor_object *o, const sensor_point **low, const sensor_point **high)
 {
     *low = *high = 0;
@@ -53,7 +54,7 @@ static void surround(const pupil_sensor_object *o, const sensor_point **low, con
     }
 }
 
-/* Stops of settings, up to this one or from it on, that all do what it does. */
+/* Stops over which settings, up to this one or from it on, all have its effect. */
 static double flat_ev(const pupil_sensor_object *o, const sensor_point *from)
 {
     double widest = 0.0;
@@ -65,7 +66,7 @@ static double flat_ev(const pupil_sensor_object *o, const sensor_point *from)
     return widest;
 }
 
-/* Whether a control may do `need` stops from a setting on, up to the last gain that the camera has. */
+/* Whether a control has `need` stops left from a setting on, up to the largest gain that the camera has. */
 static int has_room(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     const pupil_sensor_config *c = &o->config;
@@ -77,8 +78,7 @@ static int has_room(const pupil_sensor_object *o, int control, const double sett
     return mode == PUPIL_SENSOR_AUTO && to <= pupil_log2(most) && to >= pupil_log2(least);
 }
 
-/* ... so many stops of the picture, by what it is known to do: one that does nothing is not taken in place of another.
- */
+/* ... so many stops of the picture, by its response: a control that does nothing does not replace another. */
 static int may_do(const pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     return has_room(o, control, setting, need / o->estimate.response[control]);
@@ -98,8 +98,7 @@ static void move_only(pupil_sensor_object *o, int control, const double setting[
     pupil_sensor_forget_points(s);
 }
 
-/* The other control does the rest, from a setting on, where it can and searches have not changed to and fro too often.
- */
+/* The other control does the rest, from a setting on, if it can and the mover has not changed too often. */
 static int hand_over(pupil_sensor_object *o, int control, const double setting[SENSOR_CONTROLS], double need)
 {
     if (o->search.swaps >= SENSOR_SWAPS || !may_do(o, control, setting, need))
@@ -114,8 +113,8 @@ double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
     return o->plan.held_back_ev > SENSOR_SETTLED_EV ? SENSOR_HIGHLIGHT_DOUBT_EV : 0.0;
 }
 
-/* A setting that lacks so much is not worth a search: the digital factor does it. Where the aim is out of reach, the
- * setting goes to the limit. */
+/* A setting that lacks only this is not worth a search: the digital factor does the rest. Where the aim is out of
+ * reach, the setting goes to the limit. */
 static int is_near(const pupil_sensor_object *o, double need)
 {
     const double doubted_ev = SENSOR_OFF_EV + pupil_sensor_doubt_ev(o);
@@ -123,7 +122,7 @@ static int is_near(const pupil_sensor_object *o, double need)
     return size_of(need) <= most_ev && o->plan.beyond == 0.0;
 }
 
-/* The search ends at a setting that lacks so much: this total. */
+/* The search ends at this total, whose setting lacks `need`. */
 static double rest_at(pupil_sensor_object *o, double total, double need)
 {
     sensor_search *s = &o->search;
@@ -134,7 +133,8 @@ static double rest_at(pupil_sensor_object *o, double total, double need)
     return total;
 }
 
-/* The camera did not answer as it should. Gains are finer than exposures that lamps allow, and come sooner. */
+/* The camera did not respond as it should. The gain moves first: its steps are finer than those of exposures under
+ * lamps, and it is in force sooner. */
 void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
@@ -155,8 +155,8 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
     pupil_sensor_remember(o);
 }
 
-/* The control that moves has no setting between two others: it stays at one of them, and the other control does the
- * rest. Whether there is such another control. */
+/* The control that moves has no setting between two points: it stays at one of them, and the other control does the
+ * rest. Returns whether that one can. */
 static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
 {
     sensor_search *s = &o->search;
@@ -176,13 +176,13 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
     return 1;
 }
 
-/* Nothing is between two points that differ by more than any tone curve makes of their settings. */
+/* There is a jump between two points whose effects differ by more than any tone curve makes of their settings. */
 static int is_jump(const sensor_point *low, const sensor_point *high)
 {
     return high->effect - low->effect > SENSOR_STEEP_MOST * (sum_of(high) - sum_of(low));
 }
 
-/* Nothing is between two points where the total that is to be tried has the setting of one of them. */
+/* There is nothing between two points if the total to be tried has the setting of one of them. */
 static int is_closed(const pupil_sensor_object *o, const sensor_point *low, const sensor_point *high, double middle)
 {
     double setting[SENSOR_CONTROLS];
@@ -193,7 +193,7 @@ static int is_closed(const pupil_sensor_object *o, const sensor_point *low, cons
 }
 
 /* Between the points that were seen: by the slope, or in the middle where one of them is the end of settings that all
- * do the same. Where nothing is left between them the search ends at the nearer one. */
+ * do the same. If nothing is left between them, the search ends at the nearer one. */
 static double narrow(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
 {
     sensor_search *s = &o->search;
@@ -212,7 +212,8 @@ static double narrow(pupil_sensor_object *o, const sensor_point *low, const sens
     return near->total;
 }
 
-/* All that was seen is on one side: further by what is wanted, and twice as far where settings did nothing. */
+/* All points are on one side: further by what is wanted; if settings did nothing, by at least the width of their
+ * range. */
 static double widen(const pupil_sensor_object *o, const sensor_point *from, double total)
 {
     const double flat = flat_ev(o, from), step = total - from->total;
@@ -229,8 +230,8 @@ static int is_requested(const pupil_sensor_object *o, double total)
     return setting[0] == o->estimate.requested[0] && setting[1] == o->estimate.requested[1];
 }
 
-/* The control that moves has no better setting than the requested one: the other one does the rest, or the search
- * ends, at the best one that was seen. */
+/* The control that moves has no better setting than the requested one: the other control does the rest, or the search
+ * ends here. */
 static double leave(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
@@ -248,14 +249,14 @@ static int is_at_end(const pupil_sensor_object *o, double need)
            !has_room(o, (int)o->search.mover, o->estimate.requested, need);
 }
 
-/* Whether a search goes on, and with which control: `need` is what the setting that was asked for lacks. */
+/* Decides whether a search continues, and with which control. `need` is what the requested setting lacks. */
 void pupil_sensor_search_on(pupil_sensor_object *o, double need)
 {
     sensor_search *s = &o->search;
     const double other_light = size_of(o->plan.wanted - s->rest_wanted);
-    /* highlights may say something else at each of two settings: the nearer one stays */
+    /* highlights may differ at each of two settings: the nearer setting stays */
     const double other_ev = SENSOR_OFF_EV + (size_of(need) <= 0.5 * s->step_ev ? pupil_sensor_doubt_ev(o) : 0.0);
-    /* a search that ended within the promise goes on beyond it */
+    /* a search that ended within the promise continues when the error exceeds it */
     const double rest_ev = SENSOR_WRONG_EV + (s->rest_ev > SENSOR_WRONG_EV ? s->rest_ev : 0.0);
     s->is_resting &= other_light <= other_ev && size_of(need) <= rest_ev && o->plan.beyond == 0.0;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;

@@ -25,10 +25,10 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
                                                                    : PUPIL_SENSOR_MAINS_UNDETERMINED;
     if (o->setting.mains == PUPIL_SENSOR_MAINS_FOUND)
         o->config.mains_hz = o->mains.hz;
-    if (delay != config->delay_frames || linear != config->linear) /* as at first: no delay_frames is 0 */
+    if (delay != config->delay_frames || linear != config->linear) /* also at first, because delay_frames is never 0 */
         pupil_sensor_forget(o);
     if (o->setting.state == PUPIL_SENSOR_LOCKED && !config->lock && (!config->exposure_mode || !config->gain_mode)) {
-        o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames that show nothing would leave it locked */
+        o->setting.state = PUPIL_SENSOR_SEARCHING; /* frames without light would leave it locked */
         o->setting.reason = PUPIL_SENSOR_NO_REASON;
     }
     const double e = config->exposure_mode == PUPIL_SENSOR_MANUAL ? config->manual_exposure_s : o->setting.exposure_s;
@@ -44,7 +44,7 @@ static void configure(pupil_sensor_object *o, const pupil_sensor_config *theirs)
     if (!o->setting.frames)
         return;
     o->plan.wanted = wanted;
-    pupil_sensor_reach(o, &least, &most); /* what is shown goes on, as far as the new limits allow */
+    pupil_sensor_reach(o, &least, &most); /* the shown level remains, as far as the new limits allow */
     o->plan.wanted = clamp(wanted, least, most);
 }
 
@@ -130,8 +130,8 @@ int pupil_sensor_get_sized(const pupil_sensor *sensor, pupil_sensor_setting *set
     return pupil_versioned_write(setting, setting_bytes, &now, sizeof now);
 }
 
-/* Seconds since the frame before, and whether it is one. A sequence that rises says that it is a new frame, with any
- * timestamp; where clocks stop or go back, frames are a period apart. */
+/* Seconds since the frame before, and whether this one is new. A rising sequence means a new frame, with any timestamp;
+ * if clocks stop or go back, frames are taken to be a period apart. */
 static uint32_t tick(pupil_sensor_object *o, const pupil_frame_info *info)
 {
     const int64_t now = info ? info->timestamp_ns : 0, last = o->last_timestamp_ns;
@@ -161,7 +161,7 @@ static void find_flicker(pupil_sensor_object *o, sensor_evidence *v)
     double *moved = &o->estimate.scene_moved[0];
     pupil_flicker_frame(&o->flicker, v->middle - o->estimate.effect, exposure_s, o->last_timestamp_ns);
     o->setting.flicker_ev = pupil_flicker_at(&o->flicker, o->last_timestamp_ns);
-    if (*moved != 0.0) /* the flicker's own way up or down is no ramp of the light */
+    if (*moved != 0.0) /* flicker going up or down is no ramp of the light */
         *moved -= o->setting.flicker_ev - before_ev;
     v->mean -= o->setting.flicker_ev;
     v->highlight -= o->setting.flicker_ev;
@@ -209,7 +209,7 @@ static void find_mains(pupil_sensor_object *o, const pupil_stats *stats)
     const double wanted = o->plan.wanted;
     o->config.mains_hz = o->mains.hz;
     o->setting.mains = PUPIL_SENSOR_MAINS_FOUND;
-    pupil_sensor_begin(o, o->search.total); /* the same in other exposures */
+    pupil_sensor_begin(o, o->search.total); /* the same total in other exposures */
     o->plan.wanted = wanted;
 }
 

@@ -7,13 +7,13 @@
 static double multiple(double x, double step)
 {
     const double steps = x / step + SENSOR_STEP_SHARE;
-    if (!(steps < SENSOR_STEPS_MOST)) /* steps that a double of x has no room for */
+    if (!(steps < SENSOR_STEPS_MOST)) /* steps too fine for a double of x */
         return x;
     const double whole = (double)(int64_t)steps;
     return step * (whole > steps ? whole - 1.0 : whole);
 }
 
-/* The exposure at or below one that the camera has; its table, or lines. */
+/* The longest exposure that the camera has up to this one: from its table, or in lines. */
 static double in_lines(const pupil_sensor_config *c, double exposure_s)
 {
     double found = c->exposure_min_s;
@@ -25,14 +25,14 @@ static double in_lines(const pupil_sensor_config *c, double exposure_s)
     return found;
 }
 
-/* In lines, but never none. */
+/* In lines, but at least exposure_min_s. */
 static double line_at_least(const pupil_sensor_config *c, double exposure_s)
 {
     const double e = in_lines(c, exposure_s);
     return larger(e, c->exposure_min_s);
 }
 
-/* The exposure at or below one that a table has as a multiple of half a mains period; 0 where it has none. */
+/* The longest table entry up to this exposure that is a multiple of half a mains period; 0: none. */
 static double multiple_in_table(const pupil_sensor_config *c, double half_s, double exposure_s)
 {
     double found = 0.0;
@@ -43,8 +43,8 @@ static double multiple_in_table(const pupil_sensor_config *c, double half_s, dou
     return found;
 }
 
-/* In lines, and in half periods of the mains. Of a table that has no such exposure any is taken: a shorter one would
- * have bands, too. */
+/* In lines, and in half mains periods. If a table has no such exposure, any entry is taken: a shorter one would have
+ * bands, too. */
 static double exposure_of(const pupil_sensor_config *c, uint32_t hz, double exposure_s)
 {
     const double half_s = hz ? 0.5 / hz : 0.0;
@@ -63,7 +63,7 @@ static double exposure_of(const pupil_sensor_config *c, uint32_t hz, double expo
 
 double pupil_sensor_exposure_of(const pupil_sensor_config *c, double exposure_s)
 {
-    /* where the frequency is to be found, that of most of the world until it is */
+    /* until the frequency is found, that of most of the world */
     return exposure_of(c, c->mains_hz == PUPIL_SENSOR_MAINS_AUTO ? SENSOR_USUAL_MAINS_HZ : c->mains_hz, exposure_s);
 }
 
@@ -94,7 +94,7 @@ double pupil_sensor_gain_of(const pupil_sensor_config *c, double gain)
     return larger(g, c->gain_min);
 }
 
-/* By the profile; steps only at the ends of its stages, so that these can be reached. */
+/* The exposure by the profile: rounded only at the ends of stages, so that these can be reached. */
 static double exposure_at(const pupil_sensor_config *c, double total)
 {
     double e = c->exposure_min_s, g = c->gain_min;
@@ -113,7 +113,7 @@ static double exposure_at(const pupil_sensor_config *c, double total)
     return e;
 }
 
-/* The next gain above one that the camera has. */
+/* The next larger gain that the camera has, or the same. */
 static double next_gain(const pupil_sensor_config *c, double gain)
 {
     double next = gain;
@@ -149,7 +149,7 @@ static double next_exposure(const pupil_sensor_config *c, uint32_t hz, double ex
     return next_s > above_s && next_s <= pupil_sensor_longest_exposure(c) ? next_s : exposure_s;
 }
 
-/* A setting, and by how many stops it is not the total. */
+/* A setting, and the stops by which it misses the total. */
 typedef struct sensor_fit {
     double exposure_s, gain, off_ev;
 } sensor_fit;
@@ -161,7 +161,7 @@ static void take_nearer(const pupil_sensor_object *o, sensor_fit *fit, double to
         *fit = (sensor_fit){exposure_s, gain, off_ev};
 }
 
-/* Of a camera that rounds exposures, those that are known and next to the profile's, and one between two of them. */
+/* On a camera that rounds exposures: tries the known ones near the profile's exposure, and one between two of them. */
 static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, sensor_fit *fit)
 {
     const pupil_sensor_config *c = &o->config;
@@ -179,8 +179,8 @@ static void fit_told(const pupil_sensor_object *o, double total, int is_fixed, s
     }
 }
 
-/* The nearest of them is too short, and the next longer one is not known: one is asked for that is as far beyond the
- * total, or in the middle of what is not known. Where the camera has one between the two, that is nearer. */
+/* If the nearest known one is too short, and the next longer one is not known: asks for one that is as far beyond the
+ * total, or in the middle of the unknown range. If the camera has one in between, it is nearer. */
 static void probe_told(const pupil_sensor_object *o, uint32_t hz, double total, sensor_fit *fit)
 {
     const pupil_sensor_config *c = &o->config;
@@ -192,8 +192,8 @@ static void probe_told(const pupil_sensor_object *o, uint32_t hz, double total, 
         fit->exposure_s = probe_s;
 }
 
-/* What rounding down both leaves is the digital factor's. Where steps are far apart that would be much of a stop: then
- * the nearest setting around the total is taken. Bands of lamps are worse than half a stop of digital gain. */
+/* What rounding down loses is left to the digital factor. With coarse steps that could be much of a stop: then the
+ * setting nearest to the total is taken. Bands of lamps are worse than half a stop of digital gain. */
 static void fit_coarse(const pupil_sensor_object *o, uint32_t hz, double total, int is_fixed_s, int is_fixed,
                        sensor_fit *fit)
 {
@@ -232,18 +232,18 @@ static void split(const pupil_sensor_object *o, const uint32_t is_pinned[SENSOR_
     const int is_held_s = c->exposure_mode != PUPIL_SENSOR_AUTO, is_held = c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_fixed_s = is_held_s || is_pinned[0], is_fixed = is_held || is_pinned[1];
     const int is_auto = c->mains_hz == PUPIL_SENSOR_MAINS_AUTO;
-    /* the logarithms of what is pinned are rounded */
+    /* pinned values come from rounded logarithms */
     const double pinned_s = clamp(in_lines(c, pupil_exp2(s->pinned[0])), c->exposure_min_s, c->exposure_max_s);
     const double fixed_s = is_held_s ? o->held_exposure : pinned_s;
     const double fixed = is_held ? o->held_gain : pupil_sensor_gain_of(c, pupil_exp2(s->pinned[1]));
     double e = is_fixed ? total / fixed : exposure_at(c, total);
     const double within = clamp(e, c->exposure_min_s, most_s);
-    /* a search that has only the exposure left does not get on in half periods of mains that nobody has seen */
+    /* a search that moves only the exposure needs steps finer than half periods of mains that nobody has seen */
     const int is_fine = is_auto && is_pinned[1] && !is_held;
     e = is_fixed_s ? fixed_s : is_fine ? line_at_least(c, within) : pupil_sensor_exposure_of(c, within);
     sensor_fit fit = {e, is_fixed ? fixed : pupil_sensor_gain_of(c, total / pupil_sensor_told(o, e)), 0.0};
     uint32_t hz = is_auto ? SENSOR_USUAL_MAINS_HZ : c->mains_hz;
-    /* at the dark end, all exposure there is, unless multiples were asked for or there is one beyond this */
+    /* at the dark end any exposure is taken, unless multiples were asked for or there is a longer one */
     const int may_be_any =
         is_auto || (o->setting.mains == PUPIL_SENSOR_MAINS_FOUND && next_exposure(c, c->mains_hz, e) <= e);
     if (may_be_any && !is_fixed_s && fit.gain >= pupil_sensor_gain_of(c, c->gain_max) && total > e * fit.gain) {
@@ -302,8 +302,8 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     return limits;
 }
 
-/* The control that would have had to go on: the profile ends with the gain where it is dark, and begins with the
- * exposure. */
+/* The control whose limit is to be named: in the dark the profile ends with the gain, and in bright light it begins
+ * with the exposure. */
 uint32_t pupil_sensor_limit(const pupil_sensor_object *o, int is_dark)
 {
     const pupil_sensor_config *c = &o->config;

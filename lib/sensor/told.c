@@ -1,7 +1,6 @@
-/* Exposures that are not what was asked for, as the metadata tell them. A camera may have coarser exposures than its
- * configuration says: webcams that know only powers of two round what they are asked for, and report what they took.
- * Once the picture has shown that the metadata know better, what became of each exposure that was asked for is kept: on
- * such a camera a whole range of them becomes the same one. */
+/* Cameras whose exposures are coarser than configured: webcams that know only powers of two round what they are asked
+ * for, and report the rounded exposure in the metadata. Once the picture has shown that the metadata are right, what
+ * became of each requested exposure is remembered: a whole range of requests becomes the same exposure. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
@@ -21,7 +20,7 @@ static double high_of(const sensor_told_range *r)
     return larger(r->high_s, r->told_s);
 }
 
-/* The range that an exposure is in: what is between two that became the same one becomes that, too. */
+/* The range that an exposure is in: a request between two that became the same exposure becomes the same, too. */
 static const sensor_told_range *range_of(const sensor_told *t, double exposure_s)
 {
     for (uint32_t i = 0; i < t->count; i++) {
@@ -44,7 +43,7 @@ static const sensor_told_range *next_above(const sensor_told *t, const sensor_to
     return next;
 }
 
-/* Where what is not known above a range ends: at the next one, or the coarsest step, or the longest exposure. */
+/* The end of the unknown above a range: the next range, or the coarsest step, or the longest exposure. */
 static double end_above(const pupil_sensor_object *o, const sensor_told_range *r, const sensor_told_range *next)
 {
     const double most_s = pupil_sensor_longest_exposure(&o->config), coarse = pupil_exp2(SENSOR_COARSE_STEP_EV);
@@ -58,8 +57,8 @@ static double middle_above(const pupil_sensor_object *o, const sensor_told_range
     return high_of(r) * pupil_exp2(0.5 * pupil_log2(end_above(o, r, next) / high_of(r)));
 }
 
-/* The range that an exposure is in, or is taken to be in: what was not tried becomes what its nearer neighbour does,
- * except what is in the middle. Above the longest that is known it may be one of its own. */
+/* The range that an exposure is in, or is assumed to be in: an untried one belongs to its nearer neighbour, except in
+ * the middle. Above the longest known range it may have one of its own. */
 static const sensor_told_range *likely_range_of(const pupil_sensor_object *o, double exposure_s)
 {
     const sensor_told *t = &o->told;
@@ -97,11 +96,11 @@ double pupil_sensor_told_probe(const pupil_sensor_object *o, double exposure_s)
     const double end_s = end_above(o, r, next), step_ev = pupil_log2((next ? next->told_s : end_s) / r->told_s);
     if (pupil_log2(end_s / high_of(r)) > 0.5 * step_ev + SENSOR_ROUND)
         return middle_above(o, r, next);
-    /* steps are even: where half of one was tried, there is none in the other half, but at its end */
+    /* steps are even: if half of one was tried, the other half has nothing but its end */
     return next ? exposure_s : end_s + o->config.exposure_step_s;
 }
 
-/* By how much the picture moved otherwise than a step of the setting may move it, with any tone curve. */
+/* Stops by which the picture moved outside what a step may do with any tone curve. */
 static double missed(double step, double seen)
 {
     const double low = step * (step < 0.0 ? SENSOR_STEEP_MOST : SENSOR_STEEP_LEAST);
@@ -109,7 +108,7 @@ static double missed(double step, double seen)
     return seen < low ? low - seen : seen > high ? seen - high : 0.0;
 }
 
-/* By the slope that the controls are known to have, or else by any that a tone curve may have. */
+/* Compares by the learned slope, or else by any slope that a tone curve may have. */
 void pupil_sensor_weigh_told(pupil_sensor_object *o, double asked, double told, double seen)
 {
     const double slope = 0.5 * (o->estimate.response[0] + o->estimate.response[1]);
@@ -124,7 +123,7 @@ void pupil_sensor_weigh_told(pupil_sensor_object *o, double asked, double told, 
         o->told.is_trusted = 1;
 }
 
-/* What was asked for was this. */
+/* Corrects the last requests to what the camera took. */
 static void correct_asked(sensor_estimate *a, double told)
 {
     const double asked = a->requested[0];
