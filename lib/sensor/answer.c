@@ -56,7 +56,7 @@ static int finds_black(pupil_sensor_object *o, const sensor_evidence *v, double 
 }
 
 /* Once a large step is in force: what it did. A weak response may come from a scene that moved, so it has to be seen
- * twice; once, while nothing is known of the camera. */
+ * twice; once is enough while nothing is known of the camera. */
 static void judge_answer(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;

@@ -90,10 +90,11 @@ static double blind_step(const sensor_plan *p, double side)
     return smaller(ev, SENSOR_BLIND_EV);
 }
 
-/* The effect that this frame asks for.  A clipped frame's mean is too low, so its goal is between the frame's own
- * effect and the right one: such steps approach the aim from one side. Only where the frame is far too bright may a
- * guess go further, even too far; the steps after that come from the dark side, without guesses. So guesses cannot make
- * the loop swing. */
+/* The effect that this frame asks for.
+ *
+ * A clipped frame's mean is too low, so its goal is between the frame's own effect and the right one: such steps
+ * approach the aim from one side. Only where the frame is far too bright may a guess go further, or too far; the steps
+ * after that come from the dark side, without guesses. So guesses cannot make the loop swing. */
 static void find_goal(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const pupil_sensor_config *c = &o->config;
