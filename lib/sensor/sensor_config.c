@@ -16,7 +16,7 @@ static const pupil_sensor_config defaults = {
     .far_ev = 0.10,
     .tau_s = 0.8,
     .hold_ev = 0.05,
-    .digital_ev = 1.5, /* from one half mains period to two, one control ahead of the other, and what is rounded */
+    .digital_ev = 1.5, /* covers one half mains period to two, one control ahead of the other, and rounding */
     .frame_s = 1.0 / 30.0,
     .exposure_min_s = 1e-4,
     .exposure_max_s = 1.0 / 30.0,
@@ -25,7 +25,7 @@ static const pupil_sensor_config defaults = {
     .gain_min = 1.0,
     .gain_max = 16.0,
     .gain_step = 1.0 / 16.0,
-    .flash_frames = 2, /* what a strobe or a lightning lights: one frame, or parts of two */
+    .flash_frames = 2, /* a strobe or a lightning lights one frame, or parts of two */
     .linear = 1,
 };
 
@@ -42,7 +42,7 @@ const char *pupil_sensor_config_read(pupil_sensor_config *ours, const pupil_sens
 }
 
 typedef struct {
-    uint32_t at; /* in pupil_sensor_config */
+    uint32_t at; /* offset in pupil_sensor_config */
     uint32_t is_count;
     double least, most;
     const char *fault;
@@ -171,8 +171,8 @@ static const char *fault_of_stages(const pupil_sensor_config *c)
     return 0;
 }
 
-/* Of the caller's own struct, because a copy of it is too large for the stack of one function (1 KiB). It has all
- * fields of the first release. A field that was added later may be looked at only where c->size_bytes covers it. */
+/* Checks the caller's own struct, because a copy is too large for the stack of one function (1 KiB). It has all fields
+ * of the first release. A field that was added later may be read only where c->size_bytes covers it. */
 int pupil_sensor_config_check(const pupil_sensor_config *config, const char **why)
 {
     static const char *(*const rules[])(const pupil_sensor_config *) = {
