@@ -172,7 +172,7 @@ typedef struct pupil_sensor_config {
      * last stage come frame_s, gain_max and exposure_max_s. So without stages exposure rises first, and gain only in
      * the dark. 1e-9..1e4 s, 2^-10..2^16. */
     uint32_t stages; /* 0..PUPIL_SENSOR_STAGES; 0 */
-    uint32_t lock;   /* 1: the setting stands still while measuring goes on; 0 */
+    uint32_t lock;   /* 1: the setting is kept while measuring goes on; 0 */
     pupil_sensor_stage stage[PUPIL_SENSOR_STAGES];
 
     /* what is known of the camera and the light */
