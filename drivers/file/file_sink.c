@@ -20,7 +20,7 @@ static const struct {
     {".jpeg", pupil_jpeg_sink_open}, {".tif", pupil_tiff_sink_open},  {".tiff", pupil_tiff_sink_open},
 };
 
-/* What opens it; NULL and a sentence: nothing does. */
+/* The function that opens it; NULL and a sentence: there is none. */
 static open_sink *opener_of(const char *path, pupil_why *why)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -30,7 +30,7 @@ static open_sink *opener_of(const char *path, pupil_why *why)
     }
     if (strcmp(path, "-") == 0)
         return pupil_y4m_sink_open;
-    /* A dot that begins the name begins no extension: "." and ".hidden" are folders. */
+    /* A leading dot begins no extension: "." and ".hidden" are folders. */
     if (!dot || dot == name || strcmp(name, "..") == 0)
         return pupil_folder_sink_open;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)

@@ -34,7 +34,7 @@ static int starts_with(const char *text, const char *prefix)
     return strncmp(text, prefix, strlen(prefix)) == 0;
 }
 
-/* As dumps of frames are called. */
+/* The names that dumps of frames have. */
 static int is_headless(const char *path)
 {
     const char *dot = strrchr(path, '.');
@@ -67,7 +67,8 @@ static int add_pattern(pupil_paths *paths, const char *pattern, pupil_why *why)
     return paths->count > before ? 0 : pupil_refuse(why, "%s: no still (" STILL_KINDS ") matches the pattern", pattern);
 }
 
-/* Appends the stills that one input represents. A file of a literal name goes before a pattern of the same text. */
+/* Appends the stills that one input represents. A file with this literal name is preferred to a pattern of the same
+ * text. */
 static int add_input(pupil_paths *paths, const char *input, pupil_why *why)
 {
     struct stat status;

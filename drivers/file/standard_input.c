@@ -14,13 +14,13 @@
 #define PEEK_BYTES 64 /* an MP4's first box has 16 to 48, and the next one 8 to begin with */
 #define MOST_BYTES INT64_C(0x80000000)
 
-/* A read or a write again, where a signal interrupted it and nobody wants to stop. */
+/* Whether to retry a read or write: a signal interrupted it, and the program is not to stop. */
 static int again(int (*stop)(void))
 {
     return errno == EINTR && !(stop && stop());
 }
 
-/* The first bytes of a pipe, which stay in it. How many; -1: errno says why. */
+/* Copies the first bytes of a pipe, which stay in it. Their number; -1: errno says why. */
 static ssize_t peek_pipe(uint8_t bytes[PEEK_BYTES], int (*stop)(void))
 {
     int copy[2];
@@ -40,7 +40,7 @@ static ssize_t peek_pipe(uint8_t bytes[PEEK_BYTES], int (*stop)(void))
     return got;
 }
 
-/* The first bytes of standard input, which stay where they are. Of a terminal or a socket none. */
+/* The first bytes of standard input, without consuming them. None of a terminal or a socket. */
 static ssize_t peek(uint8_t bytes[PEEK_BYTES], int *is_file, int (*stop)(void))
 {
     struct stat is;
@@ -58,7 +58,7 @@ static int begins(const uint8_t *bytes, size_t size, const char *with, size_t le
     return size >= length && memcmp(bytes, with, length) == 0;
 }
 
-/* OpenEXR, PNG, Radiance, PFM, TIFF. Not JPEG: a stream of JPEGs begins as one does, and libav reads both. */
+/* OpenEXR, PNG, Radiance, PFM, TIFF. Not JPEG: a stream of JPEGs begins like a single one, and libav reads both. */
 static int is_still(const uint8_t *bytes, size_t size)
 {
     return begins(bytes, size, "\x76\x2f\x31\x01", 4) || begins(bytes, size, "\x89PNG", 4) ||
@@ -66,8 +66,8 @@ static int is_still(const uint8_t *bytes, size_t size)
            begins(bytes, size, "II*\0", 4) || begins(bytes, size, "MM\0*", 4);
 }
 
-/* ISO/IEC 14496-12: boxes, each with its size and its name in front. The index is "moov"; where it does not follow the
- * first box, it may come last. */
+/* ISO/IEC 14496-12: boxes, each headed by its size and name. The index is "moov"; where it is not the second box, it
+ * may come last. */
 static int has_index_last(const uint8_t *bytes, size_t size)
 {
     if (size < 8 || memcmp(bytes + 4, "ftyp", 4) != 0)
@@ -98,7 +98,7 @@ static int copy_all(int to, int (*stop)(void), pupil_why *why)
     }
 }
 
-/* Into memory, which is standard input from now on. */
+/* Reads standard input into memory, which replaces it from now on. */
 static int spool(int (*stop)(void), pupil_why *why)
 {
     const int fd = memfd_create("standard input", MFD_CLOEXEC);

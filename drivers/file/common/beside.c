@@ -12,7 +12,7 @@
 
 #include "folder.h"
 
-/* So much of the name goes into the temporary one that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
+/* How much of the name goes into the temporary one, so that ".", ".PID-NN.part" still fit in NAME_MAX (255). */
 #define NAME_PART 200
 
 /* The name in its folder. */
@@ -22,8 +22,8 @@ static const char *name_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Its descriptor, held with a lock that ends with this process: a temporary without one was left by a process that was
- * killed. -1, with errno EEXIST: another name is to be tried, for a run that sweeps has just taken this one. */
+/* Its descriptor, with a lock that ends with this process: a temporary without a lock was left by a killed process. -1,
+ * with errno EEXIST: a run that sweeps has just taken this name, and another one is to be tried. */
 static int make_locked(const char *made, int is_folder)
 {
     struct stat s;
@@ -47,7 +47,7 @@ static int make_locked(const char *made, int is_folder)
         errno = error;
         return -1;
     }
-    return fd; /* on a file system without locks, too: nobody sweeps there */
+    return fd; /* on a file system without locks, too: no process sweeps there */
 }
 
 char *beside_make(const char *path, int is_folder, const char *ending, int *fd)
@@ -70,7 +70,7 @@ char *beside_make(const char *path, int is_folder, const char *ending, int *fd)
     return NULL;
 }
 
-/* The ending of an entry called ".name.PID.ending" or ".name.PID-N.ending"; NULL: it is called otherwise. */
+/* The ending of an entry called ".name.PID.ending" or ".name.PID-N.ending"; NULL: it has another form. */
 static const char *ending_of(const char *entry, const char *name)
 {
     const int length = (int)strnlen(name, NAME_PART);

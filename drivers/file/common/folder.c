@@ -24,7 +24,7 @@ struct dirent *folder_next(DIR *folder)
     return entry;
 }
 
-/* getdents64(2); glibc's readdir takes memory, and musl has no other name for this. */
+/* getdents64(2): glibc's readdir allocates memory, and musl has no other name for this. */
 typedef struct directory_entry {
     uint64_t inode;
     int64_t offset;
@@ -33,11 +33,11 @@ typedef struct directory_entry {
     char name[];
 } directory_entry;
 
-#define DEPTH_MOST 16 /* of folders in folders; outputs have one level */
+#define DEPTH_MOST 16 /* nested folders; outputs have one level */
 
 typedef int act_on(int folder, const char *name, int depth); /* 0 or an errno */
 
-/* Of each entry; `acted` counts those that it succeeds with. */
+/* Calls `act` for each entry; `acted` counts the successes. */
 static int for_each(int folder, act_on *act, int depth, unsigned long *acted)
 {
     _Alignas(directory_entry) char block[4096];
@@ -71,7 +71,7 @@ static int remove_entry(int folder, const char *name, int depth)
     int error = depth == DEPTH_MOST ? ELOOP : 0;
     if (inner < 0)
         return errno == ENOTDIR || errno == ELOOP ? removed(folder, name, 0) : errno == ENOENT ? 0 : errno;
-    while (!error && gone) /* again: what is removed may let others slip past */
+    while (!error && gone) /* again: removing entries may make a listing skip others */
         error = for_each(inner, remove_entry, depth + 1, &gone);
     close(inner);
     return error ? error : removed(folder, name, AT_REMOVEDIR);

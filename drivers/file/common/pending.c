@@ -14,7 +14,7 @@
 #include "folder.h"
 #include "refuse.h"
 
-/* Of links to links that are followed, as many as Linux follows. */
+/* Links followed in a chain, as many as Linux follows. */
 #define LINKS 40
 
 static int is_frame_name(const char *name)
@@ -26,7 +26,7 @@ static int is_frame_name(const char *name)
     return digits >= 6 && (strcmp(name + 6 + digits, ".png") == 0 || strcmp(name + 6 + digits, ".exr") == 0);
 }
 
-/* Looks through a folder: how many entries, and (first_other) the first that is no file named frame_NNNNNN.png or .exr.
+/* Counts a folder's entries, and finds the first that is no file named frame_NNNNNN.png or .exr (first_other).
  */
 static int look_through(const char *path, size_t *entries, char first_other[NAME_MAX + 1])
 {
@@ -67,7 +67,7 @@ static int may_replace(const char *path, const char *shown, int overwrite, pupil
     return 0;
 }
 
-/* Where a link leads, if anything is there or not. NULL: it is no link. */
+/* Where a link leads, whether or not anything is there. NULL: it is no link. */
 static char *led_to(const char *path)
 {
     char target[PATH_MAX], *folder = folder_of(path), *joined = NULL;
@@ -118,7 +118,7 @@ static int check_parent(const char *path, struct stat *parent, pupil_why *why)
     return failed;
 }
 
-/* "a.mp4" becomes "a-1.mp4", or the first such name that nothing has. NULL: none is found. */
+/* "a.mp4" becomes "a-1.mp4", or the first such name that is free. NULL: none is found. */
 static char *free_name(const char *path)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -143,7 +143,7 @@ int pupil_pending_keep(const char *path, pupil_why *why)
     return -1;
 }
 
-/* What is replaced may be for its owner only, and so is what takes its place, from its first byte on. */
+/* The old file may be readable by its owner only, and so must be the new one, from its first byte on. */
 static void keep_mode(const pupil_pending *p, mode_t more)
 {
     if (p->mode)
@@ -230,7 +230,7 @@ int pupil_pending_is_begun(const pupil_pending *kept)
     return (kept->temporary && beside_is_held(kept->path, kept->temporary)) || lstat(kept->path, &is) == 0;
 }
 
-/* The own name is there before others are looked for, so that of two processes one sees the other's. */
+/* The own name is made before others are looked for, so that of two processes one sees the other's. */
 int pupil_pending_reserve(pupil_pending *pending, const char *path)
 {
     *pending = (pupil_pending){.fd = -1, .path = final_path(path)};
@@ -243,8 +243,8 @@ int pupil_pending_reserve(pupil_pending *pending, const char *path)
     return taken;
 }
 
-/* The folder that is there steps aside, the new one takes its place, and only then is the old one removed. It is looked
- * through again once it is aside, where nobody puts anything into it any more. */
+/* Moves the old folder aside and the new one into its place, and only then removes the old one. The old one is checked
+ * again once it is aside, where no other program puts anything into it. */
 static int swap_folders(pupil_pending *p, pupil_why *why)
 {
     int failed = 0, fd = -1;
@@ -272,7 +272,8 @@ static int swap_folders(pupil_pending *p, pupil_why *why)
     return failed;
 }
 
-/* The renames survive a power cut once the folder's own entries are on the disk. A failure here loses nothing now. */
+/* The renames survive a power cut once the parent folder's entries are on the disk. Without one, a failure here loses
+ * nothing. */
 static void flush_parent(const char *path)
 {
     char *folder = folder_of(path);
@@ -293,7 +294,7 @@ FILE *pupil_pending_stream(const pupil_pending *pending)
     return file;
 }
 
-/* Whether the temporary name is still that of what was made. */
+/* Whether the temporary name is still that of the file that was made. */
 static int check_ours(const pupil_pending *p, pupil_why *why)
 {
     struct stat made, now;
@@ -304,7 +305,7 @@ static int check_ours(const pupil_pending *p, pupil_why *why)
     return 0;
 }
 
-/* A file that must not replace another: the kernel looks and renames at once, where the file system can. */
+/* Renames without replacing a file: atomically in the kernel, where the file system can. */
 static int move_to(const pupil_pending *p, const char *path)
 {
     if (renameat2(AT_FDCWD, p->temporary, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
@@ -322,7 +323,7 @@ static int move(const pupil_pending *p)
     return p->is_folder || p->overwrite ? rename(p->temporary, p->path) : move_to(p, p->path);
 }
 
-/* Another program has put something in the place since this output was begun: it stays, and this output gets a free
+/* Another program has made something of this name since the output was begun: it stays, and the output gets a free
  * name. Returns -1. */
 static int put_beside(pupil_pending *p, pupil_why *why)
 {
@@ -353,7 +354,7 @@ int pupil_pending_show(pupil_pending *pending, pupil_why *why)
     return 0;
 }
 
-/* Each file of the folder into the one that is there; `look`: only whether that can be. */
+/* Moves each file of the folder into the existing one; `look`: only checks whether that is possible. */
 static int merge(const pupil_pending *p, int look, pupil_why *why)
 {
     DIR *folder = opendir(p->temporary);

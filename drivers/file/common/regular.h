@@ -1,5 +1,5 @@
-/* drivers/file/common/regular.h: texts that are read line by line, which must be files: a pipe may never say anything,
- * and a device such as /dev/zero says the same for ever.
+/* drivers/file/common/regular.h: texts that are read line by line must be files: a pipe may stay silent, and a device
+ * such as /dev/zero never ends.
  */
 #ifndef PUPIL_DRIVERS_FILE_COMMON_REGULAR_H
 #define PUPIL_DRIVERS_FILE_COMMON_REGULAR_H

@@ -2,7 +2,7 @@
 #ifndef PUPIL_DRIVERS_FILE_COMMON_UTF8_H
 #define PUPIL_DRIVERS_FILE_COMMON_UTF8_H
 
-/* A copy in which what is no UTF-8 is U+FFFD. To be freed; NULL: out of memory. */
+/* A copy with U+FFFD for bytes that are not UTF-8. To be freed; NULL: out of memory. */
 char *utf8_of(const char *text);
 
 #endif

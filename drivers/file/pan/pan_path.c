@@ -106,8 +106,8 @@ void pupil_pan_path_draw(pupil_pan_path *p, uint64_t seed, pupil_view brightest,
     }
 }
 
-/* From one yaw to the next. Two yaws within -180..180 are directions, joined the short way; one beyond says by itself
- * how far to turn. */
+/* From one yaw to the next. Two yaws within -180..180 are directions, joined the short way; a yaw beyond that range
+ * says how far to turn. */
 static double turn(double from, double to)
 {
     double step = to - from;

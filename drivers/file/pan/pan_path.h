@@ -23,11 +23,11 @@ typedef struct pupil_pan_path {
     double slopes[3][PUPIL_PAN_MAX_KEYS]; /* degrees a second */
 } pupil_pan_path;
 
-/* Reads "yaw/pitch[/fov][@seconds]:..." (pan_source.h says what it means); keyframes without a field of view have the
+/* Reads "yaw/pitch[/fov][@seconds]:..." (pan_source.h says what it means); keyframes without a field of view get the
  * given one. Call finish next. 0, or -1 and a sentence without the key's name. */
 int pupil_pan_path_read(pupil_pan_path *path, const char *text, double fov, pupil_why *why);
 
-/* A walk of seeded turns that passes both views, the second right after the first, at times still without a scale. */
+/* A walk of seeded turns that passes both views, the second right after the first. Its times are not scaled yet. */
 void pupil_pan_path_draw(pupil_pan_path *path, uint64_t seed, pupil_view brightest, pupil_view darkest, double fov);
 
 /* Spreads keyframes without times evenly over the duration, unwinds yaw and finds the slopes. */

@@ -162,7 +162,7 @@ static int plan_size(pan_source *s, const pupil_source_options *options, pupil_w
                         PUPIL_MAX_SIDE_PX);
 }
 
-/* How long it lasts, and with that how many frames there are. A path with times decides where nobody asked. */
+/* The duration, and from it the number of frames. If neither is given, a path with times decides. */
 static int plan_frames(pan_source *s, const pupil_source_options *options, pupil_why *why)
 {
     const double fps = options && options->fps > 0 ? options->fps : 30;

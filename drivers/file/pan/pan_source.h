@@ -6,16 +6,16 @@
  *     pan:room.hdr,path=-30/0@0:150/5@2:150/5@6
  *
  * FILE is any still of linear light that is twice as wide as high. Nothing in a spec needs quotes in a shell. Keys:
- *   path=KEY:KEY:...  keyframes, each yaw/pitch[/fov][@seconds] in degrees: yaw to the right of the panorama's centre,
- *                     pitch upward. Yaws within -180..180 are joined the short way round (170 to -170 is 20 degrees);
- *                     a yaw beyond is taken as it is, so that 0/0:360/0 is a full turn. Keyframes without seconds
- *                     are spread evenly over the duration. The camera moves smoothly, and is at rest before and after.
+ *   path=KEY:KEY:... keyframes, each yaw/pitch[/fov][@seconds] in degrees: yaw to the right of the panorama's centre,
+ *                     pitch upward. Yaws within -180..180 are joined the short way round (170 to -170 is 20 degrees); a
+ *                     yaw beyond is taken as it is, so that 0/0:360/0 is a full turn. Keyframes without seconds are
+ *                     spread evenly over the duration. The camera moves smoothly, and is at rest before and after.
  *                     Without path it wanders by options.seed, past the darkest and the brightest part of the panorama.
- *   fov=75            horizontal degrees, 5..150, of keyframes that bring none
- *   size=640x360      pixels of a frame
- *   duration=10       seconds; where the path has seconds, those of its last keyframe are the default
- * What a key does not say, options say (width and height, frames / fps as duration), else the default above. Where
- * both give a length, the shorter holds. Frames: duration * fps, rounded, at least one; 30 fps unless options say.
+ *                     fov=75 horizontal degrees, 5..150, of keyframes that bring none size=640x360 pixels of a frame
+ *                     duration=10 seconds; where the path has seconds, those of its last keyframe are the default
+ *                     Values without a key come from options (width and height, frames / fps as duration), else they
+ *                     are the defaults above. Where both give a duration, the shorter one holds. Frames: duration *
+ *                     fps, rounded, at least one; 30 fps unless options say.
  *
  * Threads: see source.h.
  */

@@ -9,10 +9,10 @@
 
 #define PI 3.14159265358979323846
 
-/* What infinite texels count as: far above any light, and differences and sums of such values stay finite. */
+/* The value of infinite texels: far above any light, but differences and sums of such values stay finite. */
 #define INFINITE_LIGHT 1e37f
 
-/* Points a side of one pixel, at most: where even that is too few, a pixel holds more than 65536 texels. */
+/* Most points along one side of a pixel: more would only help where a pixel holds more than 65536 texels. */
 #define MAX_POINTS 256
 
 static float *texel(const pupil_panorama *p, ptrdiff_t x, ptrdiff_t y)
@@ -26,7 +26,7 @@ static float bounded(float value)
     return value < -INFINITE_LIGHT ? -INFINITE_LIGHT : value;
 }
 
-/* One row into place, each texel the mean over `wide` texels around it (the outermost two count in part). Written as a
+/* One row into place, each texel the mean over `wide` texels around it (the outermost two count in part). As it is a
  * mean of differences, a constant row stays as it is. */
 static void filter_row(const pupil_panorama *p, const float *row, uint32_t y, double wide)
 {
@@ -46,7 +46,8 @@ static void filter_row(const pupil_panorama *p, const float *row, uint32_t y, do
     }
 }
 
-/* The rows beyond the poles are those next to them, half a turn further; then the columns beyond the seam. */
+/* Fills the border: beyond the poles with the rows next to them, turned by half a turn, then the columns beyond the
+ * seam. */
 static void fill_border(const pupil_panorama *p)
 {
     ptrdiff_t width = p->width, height = p->height;
@@ -92,8 +93,8 @@ void pupil_panorama_free(pupil_panorama *p)
     memset(p, 0, sizeof *p);
 }
 
-/* atan2(y, x), within 4e-7: a fifth of the time of the C library's, and the same bits on every machine. The polynomial
- * is the Chebyshev expansion of atan(sqrt(t)) / sqrt(t) over 0..1, cut after the 7th degree. */
+/* atan2(y, x), within 4e-7: in a fifth of the C library's time, with the same bits on every machine. The polynomial is
+ * the Chebyshev expansion of atan(sqrt(t)) / sqrt(t) over 0..1, cut after the 7th degree. */
 static inline float angle(float y, float x)
 {
     float flat = fabsf(x), high = fabsf(y), less = flat < high ? flat : high, more = flat < high ? high : flat;
@@ -109,7 +110,7 @@ static inline float angle(float y, float x)
 
 static inline void sample(const pupil_panorama *p, const float d[3], float rgb[3])
 {
-    /* Latitude by atan2, not asin, which has no digits left near the poles. The border makes +1 of the texel's -0.5. */
+    /* Latitude by atan2, because asin loses its precision near the poles. The border adds 1 to the texel's -0.5. */
     float longitude = angle(d[0], d[2]), latitude = angle(d[1], sqrtf(d[0] * d[0] + d[2] * d[2]));
     float u = (longitude * (float)(0.5 / PI) + 0.5f) * (float)p->width + 0.5f;
     float v = (0.5f - latitude * (float)(1 / PI)) * (float)p->height + 0.5f;
@@ -153,8 +154,8 @@ static inline void look(const camera *c, float x, float y, float d[3])
         d[i] = c->forward[i] + c->right[i] * x + c->up[i] * y;
 }
 
-/* Points a side of the pixel around direction d. A pixel is smaller in angle away from the picture's centre (by the
- * cosine at least), and the texels crowd by 1 / cos(latitude), of which filter_row leaves a factor of 2. */
+/* Points along a side of the pixel around direction d. Away from the picture's centre a pixel covers a smaller angle
+ * (by the cosine at least). The texels crowd by 1 / cos(latitude); filter_row reduces that to a factor of 2. */
 static int points(const camera *c, const float d[3])
 {
     float flat = d[0] * d[0] + d[2] * d[2], length = sqrtf(flat + d[1] * d[1]);
@@ -200,7 +201,7 @@ void pupil_panorama_render(const pupil_panorama *p, pupil_view view, float *pixe
 #define CELLS_HIGH  (CELLS_WIDE / 2)
 #define CELL_POINTS 8 /* a side */
 
-/* Mean log2 luminance (Rec.709) of one cell; bounded, so that one sun or one dead texel does not decide. */
+/* Mean log2 luminance (Rec.709) of one cell; bounded, so that no single sun or dead texel decides. */
 static double cell_level(const pupil_panorama *p, int column, int row)
 {
     double sum = 0;

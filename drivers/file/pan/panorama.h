@@ -4,9 +4,9 @@
  * 180, its top row is around pitch 90.
  *
  * Filtering, all in linear light: texels are joined bilinearly, around the seam and across the poles. Each pixel is the
- * mean of n x n points spread over its whole area, n chosen there so that two points are at most one texel apart.
- * Toward the poles, where texels crowd, rows are averaged beforehand over half the width that a texel has at the
- * equator, so that n need not grow without end. A constant panorama gives that constant, to the bit.
+ * mean of n x n points spread over its whole area, with n such that two points are at most one texel apart. Toward the
+ * poles, where texels crowd, rows are averaged beforehand over half the width that a texel has at the equator, so that
+ * n need not grow without end. A constant panorama gives that constant, to the bit.
  *
  * Threads: a made panorama is only read; any number of threads may render from it.
  */
@@ -27,9 +27,9 @@ typedef struct pupil_view {
     double yaw, pitch, fov;
 } pupil_view;
 
-/* Takes a still of 2:1 (within 1 %), RGB32F. 0, or -1 and a sentence without a file name. NaN and negative texels stay
- * what they are and touch only the pixels that they are in; infinite ones count as +-1e37, so that interpolating
- * between two does not make NaN of them. */
+/* Takes a still of 2:1 (within 1 %), RGB32F. 0, or -1 and a sentence without a file name. NaN and negative texels are
+ * kept and affect only the pixels that contain them; infinite ones count as +-1e37, so that interpolating between two
+ * does not give NaN. */
 int pupil_panorama_make(pupil_panorama *panorama, const pupil_still *still, pupil_why *why);
 
 void pupil_panorama_free(pupil_panorama *panorama);

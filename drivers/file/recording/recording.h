@@ -1,13 +1,13 @@
-/* drivers/file/recording/recording.h: raw frames on disk as they came, and back again as the same frames.
+/* drivers/file/recording/recording.h: raw frames to the disk as they came, and the same frames back.
  *
  * A recording is a folder:
- *     frames.mkv      every frame, lossless: raw video in Matroska, or the camera's own JPEGs; ffmpeg and mpv open it
- *     frames.jsonl    a line for each: sequence, timestamp_ns, exposure_s, gain, ...; written after its frame
- *     recording.json  what a frame looks like: pixel format, size, coding of light, and where it came from
- * It can be used at any moment. Its writer may be killed, and every frame that has its line is there, whole.
+ *     frames.mkv every frame, lossless: raw video in Matroska, or the camera's own JPEGs; ffmpeg and mpv open it
+ *     frames.jsonl a line for each: sequence, timestamp_ns, exposure_s, gain, ...; written after its frame
+ *     recording.json what a frame looks like: pixel format, size, coding of light, and where it came from It is usable
+ *     at any moment: if its writer is killed, every frame that has a line is there and whole.
  *
- * Writing has a thread and room for a few frames of its own, taken at open: write copies the frame and never waits for
- * the disk. Where the disk is slower than the camera, frames are lost, and counted.
+ * The recorder has its own thread and buffers for a few frames, allocated at open: write copies the frame and never
+ * waits for the disk. Where the disk is slower than the camera, frames are lost, and counted.
  */
 #ifndef PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
 #define PUPIL_DRIVERS_FILE_RECORDING_RECORDING_H
@@ -22,27 +22,27 @@ typedef struct pupil_recorder_options {
     double fps;           /* nominal, above 0 */
     uint32_t primaries;   /* as pupil_source.primaries */
     int overwrite;        /* 1: a recording (or empty folder) that is there is replaced; 0: it is refused */
-    unsigned room;        /* frames that wait for the disk at most; 0: 16 */
-    int wait;             /* 1: write waits for room instead: of sources that can wait (files, scenes) */
-    int (*give_up)(void); /* asked while the disk is waited for, by write and close: 1: it is waited for no more, and
-                           * what it has not taken yet is left out; NULL: for as long as it takes */
+    unsigned room;        /* most frames that wait for the disk; 0: 16 */
+    int wait;             /* 1: write waits for room instead: for sources that can wait (files, scenes) */
+    int (*give_up)(void); /* asked while write or close waits for the disk: 1: the wait ends, and frames not yet written
+                           * are left out; NULL: waits for as long as it takes */
 } pupil_recorder_options;
 
 typedef struct pupil_recorder_counts {
     uint64_t written, lost; /* lost: there was no room */
 } pupil_recorder_counts;
 
-/* `first` is the first frame: all that follow have its size, pixel format and coding, except for coding.balance, which
- * may be each frame's own. It is not written yet. 0, or PUPIL_SINK_FAILED and a sentence (folder, no room on the disk,
- * a pixel format that cannot be kept). */
+/* `first` is the first frame: all others have its size, pixel format and coding; only coding.balance may differ from
+ * frame to frame. Open does not write it. 0, or PUPIL_SINK_FAILED and a sentence (folder, no room on the disk, a pixel
+ * format that cannot be kept). */
 int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pupil_frame *first,
                         const pupil_recorder_options *options, pupil_why *why);
-/* 0: taken or lost (counted); PUPIL_SINK_FAILED and a sentence: another shape, or the disk failed; what was written
+/* 0: queued or lost (counted); PUPIL_SINK_FAILED and a sentence: another shape, or the disk failed; what was written
  * stays usable. */
 int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, pupil_why *why);
 void pupil_recorder_get_counts(pupil_recorder *recorder, pupil_recorder_counts *counts);
-/* Writes what waits and completes the files; the recorder is gone either way, or (give_up) as soon as the call that
- * hangs comes back. NULL is allowed. */
+/* Writes the waiting frames and completes the files. The recorder is freed either way, with give_up as soon as the
+ * hanging call returns. NULL is allowed. */
 int pupil_recorder_close(pupil_recorder *recorder, pupil_why *why);
 
 /* 1: the folder is a recording (it has a recording.json). */

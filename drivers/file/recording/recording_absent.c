@@ -1,4 +1,4 @@
-/* In place of recording_*.c in a build without libav or cJSON; what a recording is, recording_format.c knows. */
+/* Replaces recording_*.c in a build without libav or cJSON; recording_format.c still knows what a recording is. */
 #include "recording.h"
 #include "refuse.h"
 
@@ -16,7 +16,7 @@ int pupil_recorder_open(pupil_recorder **recorder, const char *folder, const pup
     return refuse(folder, why);
 }
 
-/* Nobody has an object to give these. */
+/* Never called: no object of this type exists. */
 int pupil_recorder_write(pupil_recorder *recorder, const pupil_frame *frame, pupil_why *why)
 {
     (void)recorder, (void)frame;

@@ -30,7 +30,7 @@ static int is_ours(const char *name)
     return 0;
 }
 
-/* A folder that is there may be empty, or, where it is to be overwritten, hold a recording and nothing else. */
+/* An existing folder may be empty, or hold a recording and nothing else if it is to be overwritten. */
 static int look_through(const char *path, int overwrite, pupil_why *why)
 {
     DIR *folder = opendir(path);

@@ -7,7 +7,8 @@
 #include "recording.h"
 #include "refuse.h"
 
-/* libavformat reads no more of a frame in Matroska (libavformat/matroskadec.c, max_lengths, less a block's head). */
+/* The largest frame that libavformat reads from Matroska (libavformat/matroskadec.c, max_lengths, less a block's
+ * head). */
 #define FRAME_MOST_BYTES ((UINT32_C(1) << 28) - 4)
 
 #define FOUR(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
@@ -15,12 +16,12 @@
 typedef struct kept {
     const char *name;
     uint32_t fourcc;
-    uint8_t unit, mosaic; /* the width is a multiple of unit, the height of a mosaic even */
+    uint8_t unit, mosaic; /* the width is a multiple of unit, and a mosaic's height is even */
 } kept;
 
 /* The codes are those by which FFmpeg knows its raw formats (avcodec_pix_fmt_to_codec_tag: yuyv422, nv12, gray, ...,
- * rgba64le). Of what it has no code for: half floats have DRM's (AB4H), floats the letters and bits a pixel in the way
- * of FFmpeg's own, packed mosaics V4L2's, which depends on the order. */
+ * rgba64le). Formats without an FFmpeg code: half floats have DRM's (AB4H), floats have letters and bits a pixel in
+ * FFmpeg's style, packed mosaics have V4L2's, which depends on the order. */
 static const kept formats[PUPIL_PIXEL_COUNT] = {
     [PUPIL_PIXEL_RGBA32F] = {"rgba32f", FOUR('R', 'B', 'A', 128), 1, 0},
     [PUPIL_PIXEL_RGB32F] = {"rgb32f", FOUR('R', 'G', 'B', 96), 1, 0},

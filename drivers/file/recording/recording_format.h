@@ -21,7 +21,7 @@
 
 typedef struct pupil_recording_about {
     uint32_t pixel, width, height; /* pixel: a pupil_pixel */
-    uint32_t jpeg;                 /* 1: frames.mkv has the camera's JPEGs, of which such frames are made */
+    uint32_t jpeg;                 /* 1: frames.mkv has the camera's JPEGs, which are decoded to such frames */
     double fps;
     uint32_t primaries; /* a pupil_primaries, BT.709 or BT.2020 */
     pupil_coding coding;
@@ -32,21 +32,21 @@ int pupil_recording_path(char path[PATH_MAX], const char *folder, const char *na
 
 /* "yuyv" and so on; NULL: frames of this format are not recorded. */
 const char *pupil_recording_pixel_name(uint32_t pixel);
-/* The format in Matroska: what FFmpeg calls it, else V4L2, else a name of our own. */
+/* The format's code in Matroska: FFmpeg's, else V4L2's, else our own. */
 uint32_t pupil_recording_fourcc(const pupil_recording_about *about);
 
-/* Bytes of a frame: tight rows, NV12's chroma behind its luma. */
+/* Bytes of a frame: rows without padding, NV12's chroma behind its luma. */
 size_t pupil_recording_bytes(const pupil_recording_about *about);
-/* From an image of any stride to these bytes, and an image over them. */
+/* Copies an image of any stride to these bytes; makes an image over them. */
 void pupil_recording_pack(const pupil_image_const *image, unsigned char *bytes);
 pupil_image_const pupil_recording_image(const pupil_recording_about *about, const unsigned char *bytes);
 
-/* 0, or -1 and a sentence without its subject: frames that no image of the library can be. */
+/* 0, or -1 and a sentence without its subject: no image of the library can have this shape. */
 int pupil_recording_check(const pupil_recording_about *about, pupil_why *why);
 
 /* The text of recording.json; to be freed; NULL: out of memory. camera: whose frames these are, for people; NULL. */
 char *pupil_recording_about_text(const pupil_recording_about *about, const char *camera);
-/* The file, which takes its place complete. 0, or -1 and a sentence. */
+/* Writes the file, which appears only when it is complete. 0, or -1 and a sentence. */
 int pupil_recording_about_write(const char *folder, const pupil_recording_about *about, const char *camera,
                                 pupil_why *why);
 /* Reads it again. 0, or -1 and a sentence that names the file, and the line or field where there is one. */
@@ -65,7 +65,7 @@ int pupil_recording_line_read(const char *line, uint64_t *frame, pupil_frame_inf
  * sentence: nothing was touched. */
 int pupil_recording_make_folder(const char *folder, int overwrite, pupil_why *why);
 void pupil_recording_remove_files(const char *folder);
-/* A file of it that was not there before, to read and write; -1 and a sentence. */
+/* Makes a new file in it, to read and write; -1 and a sentence. */
 int pupil_recording_create(const char *folder, const char *name, pupil_why *why);
 
 #endif

@@ -16,9 +16,9 @@
 
 #define ERRNO_MOST        4095      /* of Linux; libav's codes of its own are beyond it */
 #define BUFFER_BYTES      4096      /* heads; frames go past it */
-#define SEARCH_MOST_BYTES (1 << 28) /* beside the frame: what libavformat may look through for the next one */
-#define HEAD_MOST_BYTES   4096      /* what is before the first frame; ours has about 600 */
-/* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
+#define SEARCH_MOST_BYTES (1 << 28) /* besides the frame: how much libavformat may read to find the next one */
+#define HEAD_MOST_BYTES   4096      /* bytes before the first frame; ours has about 600 */
+/* A larger step between frames means that the clock was set: it counts as a nominal frame. */
 #define GAP_MAX_NS (UINT64_C(3600) * 1000000000)
 
 /* --- times --- */
@@ -35,7 +35,7 @@ static mkv_clock clock_of(double fps)
 
 static int64_t next_ms(mkv_clock *c, int64_t timestamp_ns)
 {
-    const uint64_t step_ns = (uint64_t)timestamp_ns - (uint64_t)c->stamp_ns; /* unsigned: of any two there is one */
+    const uint64_t step_ns = (uint64_t)timestamp_ns - (uint64_t)c->stamp_ns; /* unsigned: never overflows */
     if (c->frames++)
         c->time_ns += timestamp_ns > c->stamp_ns && step_ns <= GAP_MAX_NS ? step_ns : c->period_ns;
     c->stamp_ns = timestamp_ns;
@@ -69,12 +69,12 @@ static int64_t seek_to(void *opaque, int64_t offset, int whence)
     if (whence & AVSEEK_SIZE)
         return AVERROR(EINVAL);
     const off_t at = w->error ? -1 : lseek(w->fd, offset, whence & ~AVSEEK_FORCE);
-    if (at < 0 && !w->error) /* libavformat would write on where it is */
+    if (at < 0 && !w->error) /* libavformat would continue to write at the old position */
         w->error = errno;
     return at < 0 ? AVERROR(w->error) : at;
 }
 
-/* What was written in part goes again. */
+/* Cuts off what was written in part. */
 static int take_back(pupil_mkv_writer *w, int code)
 {
     const int error = w->error ? w->error : code < 0 && code >= -ERRNO_MOST ? AVUNERROR(code) : EIO;
@@ -130,7 +130,7 @@ static int begin(pupil_mkv_writer *w, const pupil_recording_about *about)
     AVStream *stream = w->format ? avformat_new_stream(w->format, NULL) : NULL;
     if (!w->packet || !w->io || !stream)
         return AVERROR(ENOMEM);
-    w->io->direct = 1; /* frames are not copied once more */
+    w->io->direct = 1; /* saves one more copy of each frame */
     w->format->pb = w->io;
     w->format->flags |= AVFMT_FLAG_CUSTOM_IO;
     w->format->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL; /* letters of our own for formats without any */
@@ -138,7 +138,7 @@ static int begin(pupil_mkv_writer *w, const pupil_recording_about *about)
     stream->sample_aspect_ratio = stream->codecpar->sample_aspect_ratio = (AVRational){1, 1};
     stream->avg_frame_rate = av_d2q(about->fps, 1000000);
     stream->time_base = (AVRational){1, 1000};
-    av_dict_set(&options, "write_crc32", "0", 0); /* of whole frames: time, and nothing checks them */
+    av_dict_set(&options, "write_crc32", "0", 0); /* checksums of frames take time, and nothing checks them */
     const int code = avformat_write_header(w->format, &options);
     av_dict_free(&options);
     return code;
@@ -161,8 +161,8 @@ int pupil_mkv_create(pupil_mkv_writer **writer, int fd, const pupil_recording_ab
     return -1;
 }
 
-/* libavformat notes an entry of its index for each frame that comes while the output can seek. It may for the first
- * 1024 frames, and from then on for so many of each doubling: some 10000 of a day, where all would fill the memory. */
+/* libavformat adds an index entry for each frame while the output can seek. That is allowed for the first 1024 frames,
+ * and then for about as many of each doubling: some 10000 a day, where entries of all frames would fill the memory. */
 static int is_entry(pupil_mkv_writer *w)
 {
     const uint64_t frame = w->clock.frames;
@@ -214,7 +214,7 @@ struct pupil_mkv_reader {
     mkv_clock clock;
 };
 
-/* Why libav does not continue; NULL: because the file ends. Of a head that was cut it says that it is wrong. */
+/* Why libav does not continue; NULL: because the file ends. libav calls a head that was cut off invalid. */
 static const char *trouble(pupil_mkv_reader *r, int code, char buffer[AV_ERROR_MAX_STRING_SIZE])
 {
     if (r->io.error)
@@ -288,14 +288,15 @@ int pupil_mkv_read(pupil_mkv_reader *r, int64_t timestamp_ns, const unsigned cha
     pupil_video_log_clear();
     av_packet_unref(r->packet);
     r->io.read = 0;
-    errno = 0; /* libavformat takes a block without memory for a damaged one, and its file for one that ends */
+    errno = 0; /* when memory runs out, libavformat reports a damaged block and then the end of the file; errno shows
+                * the cause */
     const int code = av_read_frame(r->format, r->packet);
     const char *fault = code < 0 ? trouble(r, code, words) : NULL;
     if (fault)
         return pupil_refuse(why, "cannot be read: %s", fault);
     if (code < 0)
         return 0;
-    /* libavformat passes over what is damaged, and continues with the next frame that is whole. */
+    /* libavformat skips damage and continues with the next whole frame. */
     if (r->packet->pts != ms)
         return pupil_refuse(why, "is damaged: a frame at %lld ms, where its line has it at %lld ms",
                             (long long)r->packet->pts, (long long)ms);

@@ -19,7 +19,7 @@ typedef struct recording {
     float usual_balance[3];      /* of frames whose line has none */
     char frames_path[PATH_MAX], lines_path[PATH_MAX];
     char name[PATH_MAX + 32]; /* of the frame */
-    int folder_length;        /* of the name of the recording, at the front of the two paths */
+    int folder_length;        /* length of the recording's name, with which the two paths begin */
     FILE *lines;
     pupil_mkv_reader *mkv;
     unsigned char *bytes; /* the frame, or its JPEG */
@@ -39,7 +39,7 @@ __attribute__((format(printf, 2, 3))) static int failed(recording *r, const char
     return r->state = PUPIL_SOURCE_FAILED;
 }
 
-/* The next line. PUPIL_SOURCE_FRAME; _END where there is none with its newline: it was being written. */
+/* The next line. PUPIL_SOURCE_FRAME; _END where there is none with a newline: its write was cut off. */
 static int next_line(recording *r, pupil_frame_info *info)
 {
     char line[LINE_MOST_BYTES];
@@ -97,7 +97,7 @@ static int next_bytes(recording *r, int64_t timestamp_ns)
     return PUPIL_SOURCE_FRAME;
 }
 
-/* As the camera's own frames were decoded, with the coding that they had. */
+/* Decodes it as the camera driver decoded it, with the same coding. */
 static int decode(recording *r, pupil_image_const *image, pupil_why *why)
 {
     pupil_why words;
@@ -159,7 +159,7 @@ static void recording_close(pupil_source *source)
 
 static const pupil_source_ops recording_ops = {recording_next, recording_done, recording_close};
 
-/* To the first that cannot be read: a sparse file may have terabytes of it. */
+/* Up to the first unreadable line: a sparse file may go on for terabytes. */
 static uint64_t count_lines(FILE *lines)
 {
     uint64_t count = 0;

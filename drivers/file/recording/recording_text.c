@@ -14,15 +14,16 @@
 #include "refuse.h"
 
 #define ABOUT_MOST_BYTES 65536 /* of a recording.json; ours have about 600 */
-/* Whole numbers up to here are doubles, which cJSON and most readers make of numbers, and no other one becomes them. */
+/* Up to here doubles, to which cJSON and most readers convert numbers, hold each whole number, and no other number is
+ * rounded to it. */
 #define EXACT_MOST (0x1p53 - 1.0)
 
 /* --- recording.json --- */
 
 typedef enum kind {
-    WORD,  /* uint32_t: the number of the word; `words` NULL: of a pixel format */
+    WORD,  /* uint32_t: index of the word; `words` NULL: a pixel format */
     WHOLE, /* uint32_t */
-    FLOAT, /* so many floats; more than one are a list */
+    FLOAT, /* `count` floats; more than one are a list */
     RATE   /* a double above 0 */
 } kind;
 
@@ -78,7 +79,7 @@ static const char *word(const field *f, uint32_t number)
     return f->words ? f->words[number] : pupil_recording_pixel_name(number);
 }
 
-/* cJSON's own numbers have 15 digits where it takes those for enough; 17 bring every double back. */
+/* cJSON prints 15 digits where it considers these enough; 17 restore every double. */
 static cJSON *number_item(double number)
 {
     char text[32];
@@ -149,7 +150,7 @@ static int take_word(const field *f, const cJSON *item, uint32_t *value)
     return -1;
 }
 
-/* By way of a double they are rounded once: their digits are of floats, and more than enough. */
+/* The way through a double does not change them: the text has more digits than a float needs. */
 static int take_floats(const cJSON *item, uint32_t count, float *values)
 {
     const cJSON *one = count > 1 ? item->child : item;
@@ -263,13 +264,13 @@ static void print_number(char text[32], double number)
     snprintf(text, 32, isfinite(number) ? "%.17g" : "null", number);
 }
 
-/* Not by cJSON, which would take memory for every frame. */
+/* Not by cJSON, which would allocate memory for every frame. */
 size_t pupil_recording_line(char line[PUPIL_RECORDING_LINE_BYTES], uint64_t frame, const pupil_frame_info *info,
                             const float balance[3])
 {
     char number[32], sequence[32], stamp[32], exposure[32], gain[32], own[96] = "";
     const int64_t ns = info->timestamp_ns;
-    if (balance) /* 9 digits bring every float back */
+    if (balance) /* 9 digits restore every float */
         snprintf(own, sizeof own, ",\"balance\":[%.9g,%.9g,%.9g]", (double)balance[0], (double)balance[1],
                  (double)balance[2]);
     print_whole(number, 0, frame);

@@ -17,16 +17,16 @@
 #include "sink.h"
 
 #define ROOM_USUAL 16
-#define ROOM_WAIT  2 /* of sources that wait there are never many */
+#define ROOM_WAIT  2 /* sources that wait never queue many frames */
 #define ROOM_MOST  4096
 
-#define ASK_AGAIN_NS 100000000 /* whether it is to be given up: soon enough after a second Ctrl-C */
+#define ASK_AGAIN_NS 100000000 /* how often give_up is asked: soon enough after a second Ctrl-C */
 
 typedef struct slot {
     unsigned char *bytes;
     size_t size, capacity;
     pupil_frame_info info;
-    float balance[3]; /* the only thing in their coding that frames may have of their own */
+    float balance[3]; /* the only part of the coding that differs from frame to frame */
 } slot;
 
 struct pupil_recorder {
@@ -43,7 +43,7 @@ struct pupil_recorder {
     slot *slots;
     unsigned room;
     unsigned *free_slots,
-        *full_slots; /* numbers of slots: a stack, so that memory that was used is used again; a ring */
+        *full_slots; /* numbers of slots: a stack, so that used memory is reused first; a ring buffer */
     pthread_t thread;
     int has_thread;
     pthread_mutex_t lock; /* of all that follows, free_slots and full_slots */
@@ -72,7 +72,7 @@ static void free_recorder(pupil_recorder *r)
     free(r);
 }
 
-/* Waits for the thread to have done something, under the lock. 1: it is waited for no more. */
+/* Waits, with the lock, for the thread to make progress. 1: the wait is given up. */
 static int wait_for_disk(pupil_recorder *r)
 {
     struct timespec until;
@@ -145,7 +145,7 @@ static int complete(pupil_recorder *r)
     return to_disk(r->lines_fd) ? fail(r, PUPIL_RECORDING_LINES) : 0;
 }
 
-/* All of it, the end too: no signal comes here. */
+/* The whole thread, with its end: no signal comes here. */
 static void *write_frames(void *argument)
 {
     pupil_recorder *r = argument;
@@ -196,7 +196,7 @@ static int same_shape(const pupil_recording_about *about, const pupil_frame *fra
            memcmp(&coding, &about->coding, sizeof coding) == 0;
 }
 
-/* Into memory of the slot's own; JPEGs may be larger than those before. */
+/* Copies the frame into the slot's memory, which grows for a larger JPEG. */
 static int fill(pupil_recorder *r, slot *s, const pupil_frame *frame)
 {
     s->size = r->about.jpeg ? frame->coded_bytes : r->frame_bytes;
@@ -302,7 +302,7 @@ static int make_slots(pupil_recorder *r, unsigned room)
     return 0;
 }
 
-/* Signals are for the threads that wait for them. */
+/* Blocks signals: they are for the threads that wait for them. */
 static int start(pupil_recorder *r)
 {
     sigset_t all, before;
@@ -395,7 +395,7 @@ int pupil_recorder_close(pupil_recorder *r, pupil_why *why)
         r->abandoned = wait_for_disk(r);
     const pthread_t thread = r->thread;
     const int abandoned = r->abandoned;
-    if (abandoned) { /* under the lock: from its end on all of it is the thread's */
+    if (abandoned) { /* with the lock: once it is released, the thread owns the recorder */
         given_up(r, why);
         pthread_detach(thread);
     }

@@ -47,7 +47,7 @@ typedef struct kind {
     void (*fill)(AVFrame *frame, const pupil_image_const *image);
 } kind;
 
-/* Of JPEG, chroma of its own for each pixel: edges of colours stay sharp. */
+/* JPEG with chroma for each pixel: colour edges stay sharp. */
 static const kind jpeg = {"JPEG", AV_CODEC_ID_MJPEG, AV_PIX_FMT_YUVJ444P, fill_codes};
 static const kind tiff = {"TIFF", AV_CODEC_ID_TIFF, AV_PIX_FMT_RGB24, fill_rgb};
 
@@ -97,7 +97,7 @@ static int save(const AVPacket *packet, const char *path)
     return failed;
 }
 
-/* JPEG and TIFF as they are written here do not say which colours they have: viewers take sRGB. */
+/* JPEG and TIFF as written here do not name their colour space: viewers assume sRGB. */
 static int write_kind(const kind *of, const char *path, const char *name, const pupil_image_const *image, int is_srgb,
                       pupil_why *why)
 {

@@ -5,8 +5,8 @@
 #include "pupil/error.h"
 #include "pupil/image.h"
 
-/* As pupil_png_write, an RGB8 image in sRGB and BT.709; others are refused, for these files do not say what they have.
- * A TIFF has three samples of 8 bits, packed by LZW. */
+/* As pupil_png_write, for an RGB8 image in sRGB and BT.709; others are refused, for these files do not name their
+ * colour space. A TIFF has three samples of 8 bits, packed by LZW. */
 int pupil_jpeg_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,
                      uint32_t transfer, pupil_why *why);
 int pupil_tiff_write(const char *path, const char *name, const pupil_image_const *image, uint32_t primaries,

@@ -25,7 +25,7 @@ typedef struct picture_sink {
     write_display *display;
     uint64_t frames;
     size_t name_bytes;
-    char *file; /* of a folder's frame: where it is written, and what it is called in sentences; room for both */
+    char *file; /* for a frame in a folder: where it is written, and its name in sentences; room for both */
     char *name;
 } picture_sink;
 
@@ -63,7 +63,7 @@ static void stem_of(const char *path, const char **name, int *length)
     *length = (int)(dot && dot != *name ? (size_t)(dot - *name) : strlen(*name));
 }
 
-/* Where a frame goes that has a name: the first "a.png", "a-1.png" ... that this run has not written. */
+/* Where a named frame goes: the first of "a.png", "a-1.png" ... that this run has not written. */
 static int name_frame(picture_sink *s, pupil_why *why)
 {
     const char *stem;
@@ -84,7 +84,7 @@ static int name_frame(picture_sink *s, pupil_why *why)
     return pupil_refuse(why, "%.*s: named by over 1000 inputs", length, stem);
 }
 
-/* A live folder takes its place with what it has, without the picture that failed. */
+/* A live folder is put in place with the pictures it has, without the one that failed. */
 static void keep_whole(picture_sink *s, const char *failed, pupil_why *why)
 {
     pupil_why other = {""};
@@ -191,7 +191,7 @@ static const struct {
     write_linear *write;
 } linear_kinds[] = {{".exr", pupil_write_exr}, {".hdr", pupil_write_hdr}, {".pfm", pupil_write_pfm}};
 
-/* How a picture is written; NULL: no linear kind. */
+/* The function that writes a picture; NULL: no linear kind. */
 static write_linear *linear_kind_of(const char *path, int *single)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');

@@ -8,8 +8,8 @@
 #include "sink.h"
 
 /* Display frames into one JPEG, PNG or TIFF, or a folder of PNG: frame_NNNNNN.png, counted from 0, or (options.named)
- * by the name of each frame, one that comes again with a number behind it; such a folder may hold other files, and
- * keeps them. file_sink.h chooses. */
+ * by the name of each frame, with a number where a name repeats; such a folder may hold other files, and keeps them.
+ * file_sink.h chooses. */
 int pupil_jpeg_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 int pupil_tiff_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
 int pupil_png_sink_open(const char *path, const pupil_sink_options *options, pupil_sink **sink, pupil_why *why);
@@ -26,7 +26,7 @@ int pupil_is_linear_path(const char *path, int *single);
 
 /* An OpenEXR file of any channels of 32-bit float. */
 typedef struct pupil_exr_channel {
-    const char *name;       /* "R", "Z", "N.X": the channels stand in the order of their names */
+    const char *name;       /* "R", "Z", "N.X": the channels are in the order of their names */
     const float *data;      /* the first pixel's */
     size_t step;            /* floats from pixel to pixel */
     ptrdiff_t stride_bytes; /* from row to row */

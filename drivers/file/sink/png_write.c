@@ -15,7 +15,7 @@
 #define ZLIB_LEVEL 2
 #define FILTERS    PNG_FILTER_SUB
 
-/* All that a longjmp must find again lives here, in the caller's frame, not in registers. */
+/* All that must survive a longjmp is here, in the caller's stack frame, not in registers. */
 typedef struct png_job {
     FILE *file;
     png_structp png;
@@ -51,7 +51,8 @@ static void on_flush(png_structp png)
 
 /* The chunks that say what the samples mean. cICP (PNG third edition, 11.3.2.6) has the numbers of Rec. ITU-T H.273:
  * primaries 9 (BT.2020), transfer 13 (sRGB), RGB, full range. libpng before 1.6.46 has no call for it; it comes before
- * IDAT. Programs that do not know it use cHRM and gAMA; sRGB's curve has the gAMA of 11.3.2.5, which is that of 2.2. */
+ * IDAT. Programs that do not know cICP use cHRM and gAMA; sRGB's curve has the gAMA of 11.3.2.5, which is that of
+ * 2.2. */
 static void write_colour(png_job *job)
 {
     static const png_byte cicp[4] = {9, 13, 0, 1};

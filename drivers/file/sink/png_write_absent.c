@@ -1,4 +1,4 @@
-/* In place of png_write.c and libav_write.c in a build without the media libraries. */
+/* Replaces png_write.c and libav_write.c in a build without the media libraries. */
 #include "libav_write.h"
 #include "png_write.h"
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* A frame every quarter of an hour to 30 a ms: what the ratio below holds with room to spare. */
+/* From a frame every quarter of an hour to 30 a ms: well within the range of the ratio below. */
 #define FPS_MIN 0.001
 #define FPS_MAX 30000.0
 
@@ -42,8 +42,8 @@ void pupil_sink_add_kept(uint64_t frames, pupil_why *why)
 
 void pupil_fps_ratio(double fps, int *num, int *den)
 {
-    /* NTSC: n * 1000/1001. 2e-6 takes in the two-decimal and three-decimal spellings (29.97 and 23.976 are 1e-6 off),
-     * and leaves alone 23.98, which is as far from 24000/1001 as 0.4 s an hour. */
+    /* NTSC: n * 1000/1001. 2e-6 accepts the spellings with two and three decimals (29.97 and 23.976 are 1e-6 off), but
+     * not 23.98, which is as far from 24000/1001 as 0.4 s an hour. */
     double whole = nearbyint(fps * 1.001), best_error = INFINITY;
     if (fabs(fps - nearbyint(fps)) > 1e-9 * fps && fabs(fps * 1.001 - whole) <= 2e-6 * whole) {
         *num = (int)whole * 1000;

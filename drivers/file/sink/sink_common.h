@@ -1,4 +1,4 @@
-/* drivers/file/sink/sink_common.h: what the file sinks ask of their options and frames, and how they say no. */
+/* drivers/file/sink/sink_common.h: what the file sinks require of their options and frames, and how they refuse. */
 #ifndef PUPIL_DRIVERS_FILE_SINK_SINK_COMMON_H
 #define PUPIL_DRIVERS_FILE_SINK_SINK_COMMON_H
 
@@ -11,11 +11,11 @@ int pupil_sink_check_options(const char *path, const pupil_sink_options *options
 int pupil_sink_check_image(const char *path, const pupil_sink_options *options, const pupil_image_const *image,
                            pupil_why *why);
 
-/* Of a live output that failed: how many frames it has. */
+/* Adds to the sentence how many frames a live output has that failed. */
 void pupil_sink_add_kept(uint64_t frames, pupil_why *why);
 
-/* fps as num / den: the NTSC rates as what they are (29.97 is 30000/1001), others to 1e-9 where a
- * denominator up to 65535 gives that, else the nearest. fps is one that the check above lets through. */
+/* fps as num / den: NTSC rates exactly (29.97 is 30000/1001), others to 1e-9 where a denominator up to 65535 gives
+ * that, else the nearest. fps has passed the check above. */
 void pupil_fps_ratio(double fps, int *num, int *den);
 
 #endif

@@ -133,7 +133,7 @@ int pupil_write_pfm(FILE *file, const pupil_image_const *image)
 
 /* --- Radiance --- */
 
-/* Truncated, as readers take the middle of a step. */
+/* Truncated, because readers take the middle of a step. */
 static void to_rgbe(const float *rgb, unsigned char rgbe[4])
 {
     float most = rgb[0] > rgb[1] ? rgb[0] : rgb[1];
@@ -152,7 +152,7 @@ static void to_rgbe(const float *rgb, unsigned char rgbe[4])
     rgbe[3] = (unsigned char)(exponent + 128);
 }
 
-/* A line in the format's run-length form, in literal runs only; where it cannot be, as plain pixels. */
+/* A line in the format's run-length form, in literal runs only; where that form is not allowed, as plain pixels. */
 static void put_line(FILE *file, const float *row, uint32_t width)
 {
     unsigned char rgbe[4];
