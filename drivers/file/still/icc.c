@@ -7,9 +7,9 @@
 
 #include "tiff_tags.h"
 
-/* Steps of a table of light by the square root of light. */
+/* Steps of a table of light, indexed by the square root of light. */
 #define STEPS 4096
-/* A curve whose codes are this near to sRGB's is taken for it: one of 8 bits. */
+/* A curve whose codes are within this of sRGB's counts as sRGB's: one 8-bit code. */
 #define SAME_CODE (1 / 255.0)
 
 typedef struct bytes_of {
@@ -94,7 +94,8 @@ static double srgb_signal(double light)
     return light <= 0.0031308 ? light * 12.92 : 1.055 * pow(light, 1 / 2.4) - 0.055;
 }
 
-/* Light by the profile's curve for light by sRGB's. 1: they differ; 0: they are the same; -1: it is not usable. */
+/* Maps light decoded with sRGB's curve to light by the profile's curve. 1: they differ; 0: they are the same; -1: the
+ * curve is not usable. */
 static int make_table(const cmsToneCurve *curve, float table[STEPS + 1])
 {
     int differs = 0;
@@ -111,7 +112,7 @@ static int make_table(const cmsToneCurve *curve, float table[STEPS + 1])
     return differs;
 }
 
-/* Tables of the three channels. 1: they are to be used; 0: all are sRGB's; -1: they are not usable. */
+/* Tables of the three channels. 1: at least one differs from sRGB's; 0: all are sRGB's; -1: not usable. */
 static int make_tables(cmsHPROFILE p, float (*table)[STEPS + 1])
 {
     static const cmsTagSignature names[3] = {cmsSigRedTRCTag, cmsSigGreenTRCTag, cmsSigBlueTRCTag};

@@ -1,4 +1,4 @@
-/* In place of icc.c where Little CMS is not installed: pictures are taken for sRGB, whatever their profile says. */
+/* Replaces icc.c where Little CMS is not installed: pictures count as sRGB, regardless of their profile. */
 #include "icc.h"
 
 int pupil_icc_apply(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_why *why)

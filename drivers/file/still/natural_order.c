@@ -91,7 +91,7 @@ static void sort_from(pupil_paths *paths, size_t first)
         qsort(paths->path + first, paths->count - first, sizeof *paths->path, compare_paths);
 }
 
-/* 1 where the file is wanted; also one that cannot be looked at, of which its reader says why. */
+/* 1 where the file is wanted. So is one that stat() fails on: its reader will say why. */
 static int wanted(const char *path, int (*keep)(const char *path))
 {
     struct stat status;

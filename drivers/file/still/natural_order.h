@@ -9,15 +9,15 @@ typedef struct pupil_paths {
     size_t count, capacity;
 } pupil_paths;
 
-/* As strcmp, but runs of digits compare as numbers (of any length); names that differ only in
- * leading zeros compare as bytes, so that only the same bytes are equal. */
+/* As strcmp, but runs of digits compare as numbers (of any length); names that differ only in leading zeros compare as
+ * bytes, so only identical names are equal. */
 int pupil_natural_compare(const char *a, const char *b);
 
-/* Each returns 0, or -1 without memory (folder and glob: also where nothing can be read; errno says why). */
+/* Each returns 0, or -1 if memory runs out (folder and glob: also where reading fails; errno says why). */
 int pupil_paths_add(pupil_paths *paths, const char *path);
 
-/* Appends what is in a folder (no subfolders, nothing hidden), or what a glob pattern names, where `keep` says yes
- * (NULL: everything), in natural order. */
+/* Appends the files of a folder (no subfolders, nothing hidden) or of a glob pattern that `keep` accepts (NULL: all),
+ * in natural order. */
 int pupil_paths_folder(pupil_paths *paths, const char *folder, int (*keep)(const char *path));
 int pupil_paths_glob(pupil_paths *paths, const char *pattern, int (*keep)(const char *path));
 

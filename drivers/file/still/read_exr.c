@@ -73,7 +73,7 @@ static int match_layer(exr_plan *plan, const char *prefix, size_t length)
             complete = complete && (!name || plan->channel[i] >= 0);
         }
         if (complete && order[k] == EXR_KIND_XYZ && length)
-            return 0; /* of a layer: normals or places, and their Y is no grey */
+            return 0; /* X, Y and Z of a layer are normals or positions, so this Y is not grey */
         if (complete) {
             plan->kind = order[k];
             return 1;
@@ -146,7 +146,7 @@ static int check_windows(exr_plan *plan, size_t size)
         return pupil_still_fail(plan->why, "has a data window wholly outside its display window");
     for (int c = 0; c < plan->channels->num_channels; c++)
         bytes += plan->channels->entries[c].pixel_type == EXR_PIXEL_HALF ? 2 : 4;
-    /* Channels of lower sampling count in full: a bound need not be tight. */
+    /* Subsampled channels count in full: the bound need not be tight. */
     if (width * height / MAX_RATIO * (plan->kind == EXR_KIND_LUMA_CHROMA ? 1 : bytes) > size)
         return pupil_still_fail(plan->why,
                                 "the header promises %" PRIu64 " x %" PRIu64 " pixels, more than %zu bytes can hold",
@@ -154,7 +154,7 @@ static int check_windows(exr_plan *plan, size_t size)
     return 0;
 }
 
-/* What the library takes for granted of the way chunks are laid out. */
+/* Checks what the library assumes of the layout of chunks. */
 static int check_layout(exr_plan *plan)
 {
     int32_t lines = 0;
@@ -162,7 +162,7 @@ static int check_layout(exr_plan *plan)
     exr_tile_level_mode_t level;
     exr_tile_round_mode_t round;
     if (!plan->is_tiled) {
-        /* A "tiles" attribute in a scanline part leaves the library without a height of chunks: it divides by 0. */
+        /* With a "tiles" attribute in a scanline part the library has no chunk height, and divides by 0. */
         if (exr_get_scanlines_per_chunk(plan->file, plan->part, &lines) != EXR_ERR_SUCCESS || lines < 1 || lines > 256)
             return pupil_exr_fail(plan, "has a scanline part that is described as tiled");
         return 0;
@@ -173,8 +173,8 @@ static int check_layout(exr_plan *plan)
     return 0;
 }
 
-/* Whether R, G and B are X, Y and Z. Their white of equal energy is then that of the axes and not of the scene, so they
- * are taken as channels of these names are: the OpenEXR project's XYZ.exr is its Rec709.exr only so. */
+/* Whether R, G and B are X, Y and Z. Their equal-energy white then belongs to the axes and not to the scene, so they
+ * are read like channels named X, Y and Z: only then does the OpenEXR project's XYZ.exr equal its Rec709.exr. */
 static int are_axes_of_xyz(const pupil_chromaticities *given)
 {
     static const double axes[8] = {1, 0, 0, 1, 0, 0, 1. / 3, 1. / 3};
@@ -199,7 +199,7 @@ static void read_colour(exr_plan *plan)
         else
             pupil_still_colour_from(&given, &plan->colour);
     }
-    if (plan->kind == EXR_KIND_LUMINANCE) /* grey is white of any primaries: it stays as it is, to the bit */
+    if (plan->kind == EXR_KIND_LUMINANCE) /* grey is the same in any primaries: it stays as it is, to the bit */
         plan->colour.convert = 0;
     *plan->library_says = 0; /* a file without chromaticities is no fault */
 }
@@ -255,11 +255,11 @@ int pupil_read_exr(pupil_still *still, const uint8_t *bytes, size_t size, pupil_
     initial.size_fn = on_size;
     initial.max_image_width = initial.max_image_height = (int)PUPIL_MAX_SIDE_PX;
     initial.max_tile_width = initial.max_tile_height = (int)PUPIL_MAX_SIDE_PX;
-    /* A file without its chunk table was not finished: better said than guessed at. */
+    /* A file without its chunk table was not finished: it is refused, not guessed at. */
     initial.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     if (exr_start_read(&plan.file, "memory", &initial) != EXR_ERR_SUCCESS)
         return pupil_exr_fail(&plan, "has a damaged OpenEXR header");
-    *plan.library_says = 0; /* what it found odd but read nevertheless */
+    *plan.library_says = 0; /* warnings about what the library read nevertheless */
     result = read_parts(&plan, still, size);
     exr_finish(&plan.file);
     return result;

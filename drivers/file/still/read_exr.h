@@ -1,4 +1,4 @@
-/* drivers/file/still/read_exr.h: between the two halves of the OpenEXR reader: what to read (read_exr.c), and the
+/* drivers/file/still/read_exr.h: the interface of the OpenEXR reader's two halves: what to read (read_exr.c), and the
  * pixels (read_exr_pixels.c). */
 #ifndef PUPIL_DRIVERS_FILE_STILL_READ_EXR_H
 #define PUPIL_DRIVERS_FILE_STILL_READ_EXR_H
@@ -27,14 +27,14 @@ typedef struct exr_plan {
     int channel[3];     /* places in `channels`, in the order of the output; -1: not used */
     int step_x, step_y; /* of the chroma channels, in pixels: 1 or 2 */
     pupil_still_colour colour;
-    pupil_why *why; /* the sentence of the first complaint of the library goes here too */
+    pupil_why *why; /* gets the library's first complaint, too */
     char library_says[200];
 } exr_plan;
 
 /* Decodes all chunks into the still. */
 int pupil_exr_read_pixels(exr_plan *plan, pupil_still *still);
 
-/* A sentence: what went wrong, and the library's own words. Returns -1. */
+/* Writes a sentence of what went wrong and the library's message. Returns -1. */
 int pupil_exr_fail(exr_plan *plan, const char *what);
 
 #endif

@@ -1,7 +1,7 @@
 /* OpenEXR pixels: the library decompresses a chunk, this file spreads it over the picture.
  *
- * The library's own unpacking is not used: 3.1.5 writes through NULL where a half-float file has four channels of which
- * one is not wanted, and knows no subsampled chroma. */
+ * The library's own unpacking is not used: 3.1.5 writes through NULL where one of four channels of a half-float file is
+ * not wanted, and does not support subsampled chroma. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,10 +12,10 @@ int pupil_exr_fail(exr_plan *plan, const char *what)
     return pupil_still_fail(plan->why, "%s%s%s", what, *plan->library_says ? ": " : "", plan->library_says);
 }
 
-/* Of one decompressed chunk: 256 lines (the tallest) of a picture as wide as allowed with four float channels. */
+/* The largest decompressed chunk: 256 lines (the most) of the widest allowed picture with four float channels. */
 #define MAX_CHUNK_BYTES (UINT64_C(1) << 28)
 
-/* What a packed chunk can grow by: see read_exr.c. */
+/* The largest factor by which a packed chunk can grow: see read_exr.c. */
 #define MAX_RATIO 1400
 
 typedef struct exr_pixels {
@@ -86,7 +86,7 @@ static void spread_chroma(exr_pixels *p, int which, const uint8_t *in, const exr
         out[i] = sample(in, info->data_type);
 }
 
-/* In a decompressed chunk are its lines from the top, and in each line the channels' rows. */
+/* A decompressed chunk has its lines from the top, and each line has the channels' rows one after the other. */
 static void spread_chunk(exr_pixels *p, int64_t left, int64_t top)
 {
     const exr_plan *plan = p->plan;
@@ -109,8 +109,8 @@ static void spread_chunk(exr_pixels *p, int64_t left, int64_t top)
     }
 }
 
-/* Whether the chunk is what the library's decompressors take for granted; they would else write beyond its buffers. The
- * channels' rows must fill it exactly, which they do not if a subsampled channel meets an odd number of lines. */
+/* Whether the chunk is as the library's decompressors assume; else they would write beyond its buffers. The channels'
+ * rows must fill it exactly, which fails if a subsampled channel has an odd number of lines. */
 static int check_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t top)
 {
     uint64_t rows = 0, blocks = 0;
@@ -135,8 +135,8 @@ static int check_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t top
     return 0;
 }
 
-/* The library picks its reading and decompressing by where channels are to go; what it would unpack with is not used,
- * so that the places need only look like ones. */
+/* The library chooses how to read and decompress by the channels' destinations. Its unpacking is not used, so the
+ * destinations only need to look valid. */
 static exr_result_t begin_decode(exr_pixels *p, const exr_chunk_info_t *chunk)
 {
     const exr_plan *plan = p->plan;
@@ -164,7 +164,7 @@ static int read_chunk(exr_pixels *p, const exr_chunk_info_t *chunk, int64_t left
         return pupil_exr_fail(plan, "cannot be decoded");
     if (check_chunk(p, chunk, top))
         return -1;
-    /* A chunk that would not shrink is stored as it is; 3.1.5 takes such chunks of B44 for compressed ones. */
+    /* A chunk that compression would not shrink is stored as it is; 3.1.5 treats such B44 chunks as compressed. */
     p->decode.decompress_fn = chunk->packed_size == chunk->unpacked_size ? NULL : p->decompress;
     result = exr_decoding_run(plan->file, plan->part, &p->decode);
     if (result == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
@@ -269,7 +269,7 @@ static int covers(const exr_attr_box2i_t *outer, const exr_attr_box2i_t *inner)
            outer->max.y >= inner->max.y;
 }
 
-/* One axis: where the data window begins in the display window, and how much of it that is, in fractions. */
+/* One axis: where the data window begins in the display window, and which share of it that covers, as fractions. */
 static void cover(int32_t data_min, int32_t data_max, int32_t display_min, int32_t display_max, double window[2])
 {
     const int64_t first = data_min > display_min ? data_min : display_min;

@@ -1,4 +1,4 @@
-/* Stills in the formats that libav reads and pupil has no reader of its own for: JPEG, TIFF, WebP, BMP and others. */
+/* Stills that libav reads and pupil has no own reader for: JPEG, TIFF, WebP, BMP and others. */
 #include "still.h"
 
 #include <string.h>
@@ -24,7 +24,7 @@ static int take(pupil_still *still, const pupil_image_const *image, pupil_why *w
     return 0;
 }
 
-/* What libav says of a file: of a format that it lacks, that the file is no worse for it. */
+/* Passes on libav's message. libav calls files that it does not support damaged: the sentence corrects that. */
 static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pupil_why *why)
 {
     static const char damaged[] = "frame 0 is damaged: ";
@@ -36,7 +36,7 @@ static int refuse_words(const uint8_t *bytes, size_t size, const char *words, pu
                         pupil_is_tiff(bytes, size) ? "; save it as OpenEXR (.exr) or PFM, whose floats are read" : "");
 }
 
-/* Whether libav knows this compression (its tiff.h): else it says that the file is damaged. */
+/* Whether libav supports this compression (its tiff.h): if not, it calls the file damaged. */
 static int is_compression_of_libav(uint32_t compression)
 {
     enum { NONE = 1, ADOBE_DEFLATE = 8, PACKBITS = 32773, DEFLATE = 32946, LZMA = 34925 };
@@ -44,8 +44,8 @@ static int is_compression_of_libav(uint32_t compression)
            compression == LZMA;
 }
 
-/* Of tiles and JPEG libav hands out black pixels and no error, of CMYK in planes a negative; what it says of L*a*b* and
- * of other compressions is no help. */
+/* For tiles and JPEG, libav returns black pixels without an error, for CMYK in planes a negative; its messages about
+ * L*a*b* and other compressions do not help. */
 static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
 {
     enum {
@@ -83,7 +83,7 @@ static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
 
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    /* One orientation, turned once: newer libav reads that of TIFF and WebP, too. */
+    /* The orientation must be applied once only: newer libav reads that of TIFF and WebP, too. */
     const int is_turned = pupil_orientation_of(bytes, size) != 1;
     const pupil_source_options options = {.as_stored = still->as_stored || is_turned};
     pupil_source *source;

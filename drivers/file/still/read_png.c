@@ -12,7 +12,7 @@
 /* Deflate cannot shrink more than 1032:1 (zlib's technical notes); a header that promises more pixels is wrong. */
 #define DEFLATE_RATIO 1032
 
-/* Ancillary chunks (profiles, texts) beyond this are left unread; libpng's own default. */
+/* Larger ancillary chunks (profiles, texts) are not read; libpng's own default. */
 #define MAX_CHUNK_BYTES 8000000
 
 /* What cICP's transfer characteristics mean (Rec. ITU-T H.273, table 3), and gAMA. */
@@ -77,7 +77,8 @@ static double light(const png_reader *r, double v)
     return v;
 }
 
-/* cICP (PNG third edition, 11.3.2.6), which libpng before 1.6.46 hands over unread. 1 where there is one. */
+/* cICP (PNG third edition, 11.3.2.6), which libpng before 1.6.46 passes on as an unknown chunk. 1 where there is
+ * one. */
 static int read_cicp(png_reader *r, pupil_chromaticities *primaries, int *has_primaries)
 {
     static const pupil_chromaticities bt2020 = {{0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290}};
@@ -151,7 +152,7 @@ static void read_colour(png_reader *r)
 
 static void read_header(png_reader *r)
 {
-    png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* read_pixels checks, and says which size */
+    png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* read_pixels checks the size and reports it */
     png_set_chunk_malloc_max(r->png, MAX_CHUNK_BYTES);
     png_set_chunk_cache_max(r->png, 64);
     png_set_keep_unknown_chunks(r->png, PNG_HANDLE_CHUNK_ALWAYS, (png_const_bytep) "cICP", 1);
@@ -163,8 +164,8 @@ static void read_header(png_reader *r)
     png_set_strip_alpha(r->png);
 }
 
-/* Codes become light in place: the rows were read into the end of the buffer, so that the float written for a pixel
- * never reaches the codes still to come. */
+/* Codes become light in place: the rows are at the end of the buffer, so that the floats never overwrite codes that are
+ * still to be read. */
 static void decode(const png_reader *r, float *out, const uint8_t *codes, uint64_t samples, int bits)
 {
     for (uint64_t i = 0; i < samples; i++)
@@ -216,7 +217,7 @@ static int read_pixels(png_reader *r, pupil_still *still)
                : 0;
 }
 
-/* libpng takes memory for what a chunk's length says before it sees the file's end: so that is looked at first. */
+/* libpng allocates the length that a chunk claims before it sees the file's end: so lengths are checked first. */
 static int check_chunks(png_reader *r)
 {
     for (size_t at = 8; r->size >= 12 && at <= r->size - 12;) {
@@ -231,7 +232,7 @@ static int check_chunks(png_reader *r)
     return pupil_still_fail(r->why, "is damaged as a PNG file: it ends early");
 }
 
-/* Nothing here but what longjmp leaves alone: r lives with the caller. */
+/* No locals here, which longjmp might clobber: r belongs to the caller. */
 static int read_guarded(png_reader *r, pupil_still *still)
 {
     if (setjmp(r->failed))

@@ -18,7 +18,7 @@ typedef struct radiance {
     pupil_still_colour colour;
 } radiance;
 
-/* The next header line without its end, cut to what any line that matters needs; 0 at the end of the file. */
+/* The next header line without its end, cut to the length that relevant lines need; 0 at the end of the file. */
 static int next_line(radiance *r, char line[256])
 {
     const uint8_t *newline;
@@ -39,7 +39,7 @@ static int next_line(radiance *r, char line[256])
     return 1;
 }
 
-/* Reads up to `count` numbers; how many there are. */
+/* Reads up to `count` numbers; returns how many there are. */
 static int numbers(const char *text, double *values, int count)
 {
     int n = 0;
@@ -60,7 +60,7 @@ static int divide_by(radiance *r, const char *line, const char *text, int count,
         given[0] = 0;
     for (int c = 0; c < 3; c++) {
         double v = given[count == 3 ? c : 0];
-        if (count == 1 && has_number && v == 0) /* EXPOSURE=0, which no light was multiplied by: unknown */
+        if (count == 1 && has_number && v == 0) /* EXPOSURE=0 cannot be a factor of the light: unknown */
             break;
         r->divide[c] *= v;
         if (!(v > 0 && isfinite(v) && r->divide[c] > 1e-30 && r->divide[c] < 1e30))

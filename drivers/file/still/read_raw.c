@@ -15,9 +15,9 @@
 #include "refuse.h"
 #include "still_private.h"
 
-#define MOST_SECONDS 60 /* of a processor, for one picture */
+#define MOST_SECONDS 60 /* CPU time for one picture */
 
-/* Nothing that depends on the picture: no histogram stretch, no white level of its own. */
+/* Nothing that depends on the picture: no histogram stretch, no white level taken from it. */
 static void set_params(libraw_output_params_t *p, int as_stored)
 {
     p->output_bps = 16;
@@ -31,7 +31,7 @@ static void set_params(libraw_output_params_t *p, int as_stored)
         p->user_flip = 0;
 }
 
-/* What the child has found, in memory that both share; the samples follow, 3 a pixel. */
+/* The child's result, in shared memory; the samples follow, 3 a pixel. */
 typedef struct found {
     int result;
     uint32_t width, height;
@@ -108,13 +108,13 @@ static int copy(pupil_still *still, const found *f, pupil_why *why)
     return 0;
 }
 
-/* The child's work. A damaged file may also keep it busy for ever. */
+/* The child's work, with limited CPU time: a damaged file may keep it busy for ever. */
 static _Noreturn void child(found *f, const pupil_still *still, uint64_t most, const uint8_t *bytes, size_t size)
 {
     const struct rlimit seconds = {MOST_SECONDS, MOST_SECONDS}, none = {0, 0};
     static const int deadly[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
     for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++)
-        signal(deadly[i], SIG_DFL); /* not what the parent does then */
+        signal(deadly[i], SIG_DFL); /* not the parent's handlers */
     setrlimit(RLIMIT_CPU, &seconds);
     setrlimit(RLIMIT_CORE, &none);
     f->result = decode(f, still, most, bytes, size);
@@ -122,11 +122,11 @@ static _Noreturn void child(found *f, const pupil_still *still, uint64_t most, c
 }
 
 /* LibRaw runs in a process of its own: 0.20 crashes on some damaged files (a DNG with a changed bit, found by
- * tests/fuzz/fuzz_dng.c), and that must cost this still alone. */
+ * tests/fuzz/fuzz_dng.c), and that must affect this still only. */
 int pupil_read_raw(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
     const uint64_t most = pupil_still_most(still);
-    const uint64_t bytes_of_most = sizeof(found) + most * 3 * sizeof(uint16_t); /* taken only as it is written */
+    const uint64_t bytes_of_most = sizeof(found) + most * 3 * sizeof(uint16_t); /* allocated only when it is written */
     int status = 0, failed = -1;
     if (bytes_of_most > SIZE_MAX / 2) /* --max-pixels of a 32-bit machine */
         return pupil_still_fail(why, "not enough memory");

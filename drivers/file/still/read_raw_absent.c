@@ -1,4 +1,4 @@
-/* In place of read_raw.c where LibRaw is not installed. */
+/* Replaces read_raw.c where LibRaw is not installed. */
 #include "still.h"
 
 #include "still_private.h"

@@ -1,4 +1,4 @@
-/* One still in memory: the file's bytes, and the reader by the first of them. */
+/* One still in memory: the file's bytes, and the reader that its first bytes select. */
 #include "still.h"
 
 #include <errno.h>
@@ -22,7 +22,7 @@ void pupil_still_free(pupil_still *still)
     memset(still, 0, sizeof *still);
 }
 
-/* Reads to the end of the file, however it changes meanwhile. */
+/* Reads to the end of the file, even if its size changes meanwhile. */
 static int read_bytes(pupil_still *still, int fd, size_t size, size_t *got, pupil_why *why)
 {
     *got = 0;

@@ -2,11 +2,10 @@
  * each.
  *
  * A reader takes the whole file as bytes (so that a fuzzer can call it as it is) and leaves linear Rec.709/D65 pixels.
- * Limits: at most PUPIL_STILL_MAX_PIXELS pixels, of files fewer where they are small (--max-pixels), and
- * PUPIL_MAX_SIDE_PX a side; a header that promises more than the file can hold is refused before memory is taken. Files
- * have at most 2 GiB.
+ * Limits: at most PUPIL_STILL_MAX_PIXELS pixels, fewer of small files (--max-pixels), and PUPIL_MAX_SIDE_PX a side; a
+ * header that promises more than the file can hold is refused before memory is allocated. Files have at most 2 GiB.
  *
- * What each format's values are taken for:
+ * How each format's values are interpreted:
  *
  * - OpenEXR: linear, as stored; expTime and the like are never divided out. Half, float and uint channels; scanlines or
  *   tiles (the full-size level); all compressions of the installed OpenEXR C library (3.1 lacks DWAA and DWAB). R, G
@@ -46,8 +45,8 @@
 #include "pupil/image.h"
 
 #define PUPIL_STILL_MAX_PIXELS (UINT64_C(1) << 26) /* 8192 x 8192; 805 MB as RGB float */
-/* Of files: no small one takes all that memory. Photographs have at most some 10 pixels for each byte. */
-#define PUPIL_STILL_SMALL_PIXELS    (UINT64_C(1) << 22) /* so many may have any number of bytes: 50 MB */
+/* For files: a small one must not take all that memory. Photographs have at most some 10 pixels for each byte. */
+#define PUPIL_STILL_SMALL_PIXELS    (UINT64_C(1) << 22) /* allowed for files of any size: 50 MB */
 #define PUPIL_STILL_PIXELS_FOR_BYTE 256
 
 typedef struct pupil_still {
@@ -56,10 +55,10 @@ typedef struct pupil_still {
     uint32_t width, height;
     uint32_t pixel;      /* PUPIL_PIXEL_RGB32F; PUPIL_PIXEL_RGB8 of 8-bit sRGB PNG */
     int as_stored;       /* not turned upright; set by the caller */
-    uint64_t max_pixels; /* set by the caller: so many are read, of files of any size; 0: as above */
-    uint64_t most;       /* what follows from it for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
-    double window[4];    /* x, y, width and height, in fractions, of what the file has of it; the rest is black. A width
-                          * of 0: all of it */
+    uint64_t max_pixels; /* set by the caller: the limit for files of any size; 0: as above */
+    uint64_t most;       /* the limit for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
+    double window[4];    /* x, y, width and height, in fractions, of the part that the file has; the rest is black. A
+                          * width of 0: the whole picture */
     double exposure_s;   /* 0: in all four formats the pixel values are scene light already */
     uint8_t *file;       /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
     size_t file_capacity_bytes;
@@ -73,8 +72,8 @@ uint64_t pupil_still_most(const pupil_still *still);
 /* Makes room; a sentence without a file name on failure (the caller puts the name in front). */
 int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uint32_t pixel, pupil_why *why);
 
-/* 0, or -1 and a sentence without a file name ("the header promises 40000 x 40000 pixels, at most ..."). On failure the
- * still holds nothing of use but can be read into again. */
+/* 0, or -1 and a sentence without a file name ("the header promises 40000 x 40000 pixels, at most ..."). After a
+ * failure the still has no valid picture, but can be reused. */
 typedef int pupil_still_reader(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why);
 
 pupil_still_reader pupil_read_exr;
@@ -84,9 +83,9 @@ pupil_still_reader pupil_read_png;
 /* DNG and the raw files of cameras; PUPIL_STILL_NOT_RAW: it is none. */
 enum { PUPIL_STILL_NOT_RAW = 1 };
 pupil_still_reader pupil_read_raw;
-pupil_still_reader pupil_read_libav; /* what libav makes of it (read_libav.c) */
+pupil_still_reader pupil_read_libav; /* other formats, by libav (read_libav.c) */
 
-/* Reads a file into memory and by its first bytes (not by its name) into pixels; the sentence begins with the path. */
+/* Reads a file into memory and decodes it by its first bytes (not by its name); the sentence begins with the path. */
 int pupil_still_load(pupil_still *still, const char *path, pupil_why *why);
 
 #endif

@@ -1,4 +1,4 @@
-/* In place of read_exr.c and read_png.c in a build without the media libraries. */
+/* Replaces read_exr.c and read_png.c in a build without the media libraries. */
 #include "still.h"
 
 #include "refuse.h"

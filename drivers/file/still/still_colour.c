@@ -10,8 +10,8 @@ static const pupil_chromaticities rec709 = {{0.64, 0.33, 0.30, 0.60, 0.15, 0.06,
 /* Bradford cone responses (ICC.1:2010, annex E). */
 static const double bradford[9] = {0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685, 1.0296};
 
-/* Files of Rec.709 pixels give their chromaticities with three or four digits; a matrix this near to the identity is
- * taken for it, so that such pixels come out bit for bit. */
+/* Files of Rec.709 pixels give their chromaticities with three or four digits; a matrix within this of the identity
+ * counts as the identity, so that such pixels do not change by a bit. */
 #define IDENTITY_TOLERANCE 4e-3
 
 static void multiply(const double a[9], const double b[9], double product[9])
@@ -27,7 +27,7 @@ static void transform(const double m[9], const double v[3], double out[3])
         out[r] = m[3 * r] * v[0] + m[3 * r + 1] * v[1] + m[3 * r + 2] * v[2];
 }
 
-/* 0 where the matrix has no inverse worth the name. */
+/* 0 where the matrix has no usable inverse. */
 static int invert(const double m[9], double inverse[9])
 {
     double determinant;
@@ -132,7 +132,8 @@ int pupil_still_colour_from_icc(const double to_xyz[9], pupil_still_colour *colo
         const double white = matrix[3 * r] + matrix[3 * r + 1] + matrix[3 * r + 2];
         if (!(fabs(white - 1) < 0.05))
             return 0;
-        for (int i = 3 * r; i < 3 * r + 3; i++) { /* white is white: the profile's numbers are rounded */
+        for (int i = 3 * r; i < 3 * r + 3; i++) { /* scaled so that white stays white: the profile's numbers are
+                                                   * rounded */
             colour->to_709[i] = (float)(matrix[i] / white);
             if (fabs(matrix[i] / white - (i % 4 == 0)) > IDENTITY_TOLERANCE)
                 colour->convert = 1;

@@ -8,8 +8,8 @@
 #include "pupil/error.h"
 #include "still.h"
 
-/* Writes a sentence and returns -1. What is not printable ASCII becomes '?': names inside a file are not to be
- * trusted with a terminal. */
+/* Writes a sentence and returns -1. What is not printable ASCII becomes '?': names inside a file must not reach a
+ * terminal unfiltered. */
 int pupil_still_fail(pupil_why *why, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* 0 where a picture of this size may be read, else -1 and the sentence. */
@@ -29,14 +29,14 @@ typedef struct pupil_still_colour {
 /* The colour of pixels with these chromaticities; NULL, or chromaticities that are not sane, count as Rec.709/D65. */
 void pupil_still_colour_from(const pupil_chromaticities *given, pupil_still_colour *colour);
 
-/* That of CIE XYZ whose white is D65's, at Y = 1. */
+/* The colour of CIE XYZ pixels whose white is D65 at Y = 1. */
 void pupil_still_colour_from_xyz(pupil_still_colour *colour);
 
-/* That of primaries which are the columns of a matrix to XYZ under D50, as profiles have them. 0: they do not make
+/* The colour of primaries that are the columns of a matrix to XYZ under D50, as in profiles. 0: they do not add up to
  * white. */
 int pupil_still_colour_from_icc(const double to_xyz[9], pupil_still_colour *colour);
 
-/* Converts RGB float pixels in place; nothing where there is nothing to do. */
+/* Converts RGB float pixels in place, where needed. */
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels);
 
 #endif

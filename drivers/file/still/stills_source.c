@@ -20,7 +20,7 @@ typedef struct stills_source {
     pupil_still still;
 } stills_source;
 
-/* A lost frame keeps its place in time: the ones after it do not move. */
+/* A lost frame keeps its time slot: later frames do not move. */
 static int stills_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
 {
     stills_source *s = (stills_source *)source;

@@ -6,7 +6,7 @@
 #include "file/video/video_turn.h"
 #include "tiff_tags.h"
 
-/* Exif begins as a TIFF; some programs put this in front of it, as JPEG has it. */
+/* Exif begins as a TIFF; some programs put this in front of it, as in JPEG. */
 static const uint8_t exif_mark[6] = {'E', 'x', 'i', 'f', 0, 0};
 
 static uint32_t orientation_in(const uint8_t *exif, size_t size)
@@ -34,7 +34,7 @@ static uint32_t orientation_of_png(const uint8_t *bytes, size_t size)
     return 1;
 }
 
-/* Chunks of WebP: name, length, data, a byte more where the length is odd. */
+/* Chunks of WebP: name, length, data, one byte of padding where the length is odd. */
 static uint32_t orientation_of_webp(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 12; size >= 8 && at <= size - 8;) {

@@ -9,7 +9,7 @@
 #include "still.h"
 
 /* The orientation (TIFF 6.0, tag 274) of a TIFF, or of the Exif of a PNG or WebP: 1 to 8. 1, as stored, where there is
- * none. That of JPEG comes from libav, as a matrix. */
+ * none. For JPEG libav gives it, as a matrix. */
 uint32_t pupil_orientation_of(const uint8_t *bytes, size_t size);
 
 /* Makes a still upright that was read from these bytes, unless still->as_stored. 0, or -1 and a sentence. */

@@ -20,10 +20,10 @@ struct pupil_jpeg {
     AVCodecContext *codec;
     AVPacket *packet;
     AVFrame *frame;
-    AVBufferRef *coded; /* with the padding that libavcodec reads into */
-    uint8_t *room;      /* what is not in the decoder's frame as the library needs it */
+    AVBufferRef *coded; /* with the padding that libavcodec may read */
+    uint8_t *room;      /* samples that the library needs in another layout than the decoder's */
     size_t room_bytes;
-    int has_own_tables; /* the decoder has Huffman tables of a frame's, no longer the standard's */
+    int has_own_tables; /* the decoder now has a frame's Huffman tables, not the standard's */
 };
 
 /* --- the decoder --- */
@@ -38,7 +38,7 @@ static int start(pupil_jpeg *j)
         return -1;
     j->codec->thread_count = 1;
     j->codec->flags |= AV_CODEC_FLAG_BITEXACT;
-    j->codec->idct_algo = FF_IDCT_SIMPLE; /* whose bits are the same in all its versions */
+    j->codec->idct_algo = FF_IDCT_SIMPLE; /* its results are the same in all versions */
     j->codec->err_recognition = AV_EF_EXPLODE;
     j->codec->max_pixels = (int64_t)PUPIL_MAX_SIDE_PX * PUPIL_MAX_SIDE_PX;
     j->has_own_tables = 0;
@@ -121,7 +121,7 @@ static void to_yuyv(const AVFrame *f, uint8_t *out, size_t row_bytes)
             to[4 * x + 2] = luma[2 * x + 1];
             to[4 * x + 3] = cr[x];
         }
-        if (f->width % 2) { /* of an odd width the last pixel represents two */
+        if (f->width % 2) { /* for an odd width the last pixel is repeated */
             const int x = f->width / 2;
             to[4 * x] = to[4 * x + 2] = luma[2 * x];
             to[4 * x + 1] = cb[x];
@@ -172,7 +172,7 @@ static void to_rgb(const AVFrame *f, const AVPixFmtDescriptor *d, const pupil_co
     }
 }
 
-/* As which format of the library a decoded frame is handed on; PUPIL_PIXEL_NONE if it is not read. */
+/* The library's format for a decoded frame; PUPIL_PIXEL_NONE if it is not read. */
 static uint32_t pixel_of(const AVPixFmtDescriptor *d)
 {
     if (!d || d->comp[0].depth != 8 || d->comp[0].step != 1 ||
@@ -228,7 +228,7 @@ static int present(pupil_jpeg *j, pupil_image_const *image, pupil_why *why)
 
 /* --- a frame --- */
 
-/* Room for a JPEG, and for one that is somewhat larger: they never have the same size twice. */
+/* Room for a JPEG with some to spare: no two have the same size. */
 static int reserve_coded(pupil_jpeg *j, size_t bytes)
 {
     if (j->coded && bytes + AV_INPUT_BUFFER_PADDING_SIZE <= j->coded->size)

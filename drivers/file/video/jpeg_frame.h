@@ -1,16 +1,16 @@
-/* drivers/file/video/jpeg_frame.h: one JPEG, as a camera's MJPG hands it out, to an image that libpupil reads, by
+/* drivers/file/video/jpeg_frame.h: decodes one JPEG of a camera's MJPG into an image that libpupil reads, by
  * libavcodec.
  *
  * Nothing is lost on the way: 4:2:2 becomes YUYV, 4:2:0 NV12, grey GREY8, each with the decoder's own samples. 4:4:4,
- * 4:4:0 and 4:1:1, which no pixel format of the library has, become RGB8: the matrix rounds to whole codes. Light is
- * as JFIF has it (BT.601 of full range, sRGB's curve) unless the caller names another.
+ * 4:4:0 and 4:1:1, which no pixel format of the library has, become RGB8: the matrix rounds to whole codes. The coding
+ * is JFIF's (BT.601 of full range, sRGB's curve) unless the caller gives another.
  *
- * A JPEG is looked through first: its size, its tables, its end. One that lacks Huffman tables, as most webcams', has
- * those of ITU-T T.81, annex K.3. Application segments (a thumbnail, Exif, AVI1) are not looked at. The same bytes give
- * the same image on every CPU of one libavcodec.
+ * A JPEG's size, tables and end are checked first. One without Huffman tables, as from most webcams, gets those of
+ * ITU-T T.81, annex K.3. Application segments (a thumbnail, Exif, AVI1) are not looked at. The same bytes give the same
+ * image on every CPU of one libavcodec.
  *
- * Memory for an image is taken at the first frame (and where another sampling comes); libavcodec keeps its own in a
- * pool, and takes and frees a few small pieces for each frame.
+ * Memory for an image is allocated at the first frame (and when the sampling changes); libavcodec keeps its own in a
+ * pool, and allocates and frees a few small pieces for each frame.
  *
  * Threads: one thread at a time on an object.
  */

@@ -59,7 +59,7 @@ static int read_frame(parser *p, const uint8_t *s, size_t length, int marker, pu
     return 0;
 }
 
-/* After a scan's header: to the next marker that is no restart. Coded bytes of 0xff are followed by 0. */
+/* From a scan's header to the next marker other than a restart. In coded data, each 0xff is followed by 0. */
 static void skip_scan(parser *p)
 {
     while (p->at < p->size) {

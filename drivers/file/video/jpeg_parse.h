@@ -11,8 +11,8 @@ typedef struct pupil_jpeg_shape {
     int has_huffman_tables;
 } pupil_jpeg_shape;
 
-/* Looks at all of it, up to its end, and copies what a decoder has to see to `to`, which has room for `size` bytes.
- * How many those are; 0 and a sentence without its subject where these bytes are no whole JPEG. */
+/* Parses all of it, up to its end, and copies what a decoder needs to `to`, which has room for `size` bytes. Returns
+ * the number of bytes copied; 0 and a sentence without its subject where this is no whole JPEG. */
 size_t pupil_jpeg_parse(const uint8_t *bytes, size_t size, uint8_t *to, pupil_jpeg_shape *shape, pupil_why *why);
 
 #endif

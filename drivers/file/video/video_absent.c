@@ -1,4 +1,4 @@
-/* In place of video_source.c, video_sink.c and jpeg_frame.c in a build without libav. */
+/* Replaces video_source.c, video_sink.c and jpeg_frame.c in a build without libav. */
 #include "jpeg_frame.h"
 #include "video_sink.h"
 #include "video_source.h"
@@ -38,7 +38,7 @@ int pupil_jpeg_open(pupil_jpeg **jpeg, uint32_t width, uint32_t height, const pu
         why, "this build of pupil reads no JPEG (it was configured with PUPIL_MEDIA=OFF); ask for a raw format");
 }
 
-/* Nobody has an object to give these. */
+/* Never called: no object of this type exists. */
 int pupil_jpeg_decode(pupil_jpeg *jpeg, const void *bytes, size_t size, pupil_image_const *image, pupil_why *why)
 {
     (void)jpeg, (void)bytes, (void)size, (void)image;

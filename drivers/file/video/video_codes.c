@@ -38,8 +38,8 @@ static int set_matrix(pupil_video_pixels *p, int space, pupil_why *why)
         name ? name : "(unknown)");
 }
 
-/* Rec. ITU-R BT.2100-2, table 9: codes of limited range are those of 8 bits with zeros behind them, of full range parts
- * of the largest one, chroma around half of a power of two. */
+/* Rec. ITU-R BT.2100-2, table 9: limited range has the 8-bit codes with zero bits appended; full range has fractions of
+ * the largest code, with chroma around half of a power of two. */
 static void set_scale(pupil_video_pixels *p)
 {
     const int is_full = p->coding.range == PUPIL_RANGE_FULL, depth = p->format->comp[0].depth;

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* How a packet's number gets to its frame: libav renamed it in FFmpeg 6. */
+/* The field that carries a packet's number to its frame: libav renamed it in FFmpeg 6. */
 #if LIBAVCODEC_VERSION_MAJOR < 60
 static void number(AVCodecContext *codec, AVPacket *packet, int64_t n)
 {
@@ -39,7 +39,7 @@ void pupil_video_damage_begin(pupil_video_damage *d, AVCodecContext *codec)
     pupil_video_words_of(codec, &d->words);
 }
 
-/* The first words about a packet stay. */
+/* Keeps the first message about a packet. */
 static void suspect(pupil_video_damage *d, int64_t packet, const char *text)
 {
     const int n = d->suspects;

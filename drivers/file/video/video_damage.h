@@ -1,6 +1,6 @@
-/* drivers/file/video/video_damage.h: which frames a decoder was unhappy with. Decoders cover up what is damaged, most
- * of them mark nothing, and frames come out later than their packets go in and in another order. So each packet has a
- * number, which its frame brings along, and what libav logs as an error while a packet is decoded is kept under it.
+/* drivers/file/video/video_damage.h: which frames a decoder reported errors for. Decoders conceal damage, and most mark
+ * nothing. Frames come out later than their packets go in, and in another order. So each packet has a number, which its
+ * frame carries, and errors that libav logs while a packet is decoded are kept under it.
  *
  * Threads: one thread at a time on an object; the decoder may have threads of its own.
  */
@@ -14,7 +14,7 @@
 
 typedef struct pupil_video_suspect {
     int64_t packet;
-    int told; /* its frame, should it come, is left out without another word */
+    int told; /* its frame, should it come, is dropped without another message */
     char text[256];
 } pupil_video_suspect;
 
@@ -22,13 +22,13 @@ typedef struct pupil_video_damage {
     pupil_video_words words;
     int64_t packet; /* the number of the last one that the decoder took */
     pupil_video_suspect suspect[PUPIL_VIDEO_SUSPECTS];
-    int suspects; /* the first so many, by number */
+    int suspects; /* how many are used, in the order of their numbers */
 } pupil_video_damage;
 
-/* Before the codec is opened, and with the object where it stays. */
+/* Call it before the codec is opened; the object must not move afterwards. */
 void pupil_video_damage_begin(pupil_video_damage *damage, AVCodecContext *codec);
 
-/* What demuxing a packet was unhappy with, before the packet is sent. */
+/* Notes an error of demuxing a packet, before the packet is sent. */
 void pupil_video_damage_of_next(pupil_video_damage *damage, const char *text);
 
 /* avcodec_send_packet, avcodec_receive_frame. */
@@ -41,7 +41,7 @@ int pupil_video_damage_of_frame(pupil_video_damage *damage, const AVFrame *frame
 /* The decoder refused the packet that was last sent, which is now told. A text, or "". */
 void pupil_video_damage_refused(pupil_video_damage *damage, char text[256]);
 
-/* 1 and a text of a packet whose frame does not come any more: it has waited too long, or (at_end) all are out. */
+/* 1 and the text of a packet whose frame will not come: it has waited too long, or (at_end) all frames are out. */
 int pupil_video_damage_left(pupil_video_damage *damage, int at_end, char text[256]);
 
 #endif

@@ -35,9 +35,9 @@ int pupil_video_format_open(AVFormatContext **format, pupil_video_io *io, pupil_
     (*format)->pb = io->context;
     (*format)->flags |= AVFMT_FLAG_CUSTOM_IO;
     (*format)->interrupt_callback = (AVIOInterruptCB){asks_to_stop, io};
-    /* No protocol of this name exists: a playlist opens nothing. */
+    /* No protocol has this name, so a playlist opens nothing. */
     (*format)->protocol_whitelist = av_strdup("none");
-    /* Probed by content, not by name: by its name any text is a film to libav (its "tty" format). */
+    /* Probed by content, not by name: by name libav accepts any text as a video (its "tty" format). */
     pupil_video_log_clear();
     const int code = avformat_open_input(format, "", NULL, NULL);
     if (code < 0 && io->fd >= 0 && !io->read && !io->error)
@@ -63,7 +63,7 @@ int pupil_video_format_look(AVFormatContext *format, int64_t max_pixels, pupil_w
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
     const unsigned count = format->nb_streams; /* more may come while libav looks */
-    /* of frames that are too large libav forgets the size */
+    /* libav drops the size of frames that are too large */
     for (unsigned i = 0; i < count; i++)
         if (!(format->streams[i]->disposition & AV_DISPOSITION_ATTACHED_PIC) &&
             pupil_video_format_fits(format->streams[i]->codecpar, max_pixels, why))

@@ -1,4 +1,4 @@
-/* drivers/file/video/video_io.c: bytes for libav's demuxers, and what libav says when it is unhappy. */
+/* drivers/file/video/video_io.c: bytes for libav's demuxers, and the errors that libav reports. */
 #include "video_io.h"
 
 #include <errno.h>
@@ -31,10 +31,10 @@ static void put(pupil_video_words *words, const char *format, va_list arguments)
         words->text[--length] = 0;
     for (char *c = words->text; *c; c++)
         if ((unsigned char)*c < ' ' || (unsigned char)*c > '~')
-            *c = '?'; /* a file's own bytes, quoted by libav: never into a terminal */
+            *c = '?'; /* libav may quote a file's bytes, which must not reach a terminal */
 }
 
-/* Decoders report from the threads of their slices, too; all of them name the one codec. */
+/* Decoders also report from their slice threads; all of these name the same codec. */
 static void keep(void *context, int level, const char *format, va_list arguments)
 {
     pupil_video_words *own = NULL;
@@ -77,8 +77,8 @@ const char *pupil_video_log_text(void)
     return kept.text;
 }
 
-/* A pipe without a word from its writer is asked for the wish to stop, too: a signal may come just before the wait.
- * 0: there is something to read; -1: errno. */
+/* While a pipe is silent, stop() is polled as well: a signal may come just before the wait. 0: there is something to
+ * read; -1: errno. */
 static int wait_for(const pupil_video_io *io)
 {
     struct pollfd ready = {.fd = io->fd, .events = POLLIN};
@@ -153,7 +153,7 @@ int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why)
     struct stat status;
     memset(io, 0, sizeof *io);
     io->close_fd = strcmp(path, "-") != 0;
-    /* a pipe's writer is waited for by wait_for */
+    /* does not wait for a pipe's writer: wait_for does */
     io->fd = io->close_fd ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK) : STDIN_FILENO;
     if (io->fd < 0 || fstat(io->fd, &status)) {
         pupil_refuse(why, "%s", strerror(errno));
@@ -165,7 +165,7 @@ int pupil_video_io_open(pupil_video_io *io, const char *path, pupil_why *why)
         pupil_video_io_close(io);
         return -1;
     }
-    /* Standard input that is a file, but was read from already, is taken as a pipe: its offsets are not the video's. */
+    /* Standard input that is a partly read file counts as a pipe: the file's offsets are not the video's. */
     io->total = S_ISREG(status.st_mode) && lseek(io->fd, 0, SEEK_CUR) == 0 ? status.st_size : -1;
     if (io->total == 0) {
         pupil_refuse(why, "an empty file; an image or a video was expected");

@@ -1,4 +1,4 @@
-/* drivers/file/video/video_io.h: bytes for libav's demuxers, and what libav says when it is unhappy.
+/* drivers/file/video/video_io.h: bytes for libav's demuxers, and the errors that libav reports.
  *
  * Demuxers get one AVIOContext and nothing else: a playlist or a container that names other files or addresses finds
  * every protocol closed (pupil_video_source_open sets the whitelist).
@@ -17,12 +17,12 @@ typedef struct pupil_video_io {
     AVIOContext *context;
     int fd, close_fd;  /* -1: the bytes below */
     int error;         /* errno of a read that failed */
-    int (*stop)(void); /* asked before each read, which fails where it says so; NULL: never. Demuxers look for their
-                        * marks in all that there is, and a sparse file of a disk's size costs its maker nothing */
+    int (*stop)(void); /* asked before each read, which fails if it returns 1; NULL: never. Demuxers search the whole
+                        * file for their marks, and a sparse file as large as a disk costs nothing to make */
     const uint8_t *bytes;
     size_t size, position;
-    int64_t read, read_most; /* bytes since the caller set `read` to 0, and how many there may be: libav keeps all of a
-                              * packet in memory, and of damage a packet's end is the end of the file. 0: no limit */
+    int64_t read, read_most; /* bytes since the caller set `read` to 0, and their limit: libav keeps a whole packet in
+                              * memory, and a damaged packet may end only with the file. 0: no limit */
     int64_t total;           /* bytes of the whole file; -1 where that cannot be known (a pipe) */
 } pupil_video_io;
 
@@ -34,14 +34,14 @@ int pupil_video_io_bytes(pupil_video_io *io, const uint8_t *bytes, size_t size, 
 
 void pupil_video_io_close(pupil_video_io *io);
 
-/* libav prints nothing any more (for the whole process: its log has one hook); the first error that it reports on this
- * thread is kept instead, until the next clear. Not those of a codec that has words of its own. */
+/* From now on libav prints nothing (in the whole process: its log has one hook). Instead the first error that it
+ * reports on this thread is kept until the next clear, except errors of a codec that has its own words. */
 void pupil_video_log_clear(void);
 
-/* What was kept, without its newline; "" for none. Valid until the next clear on this thread. */
+/* The kept error, without its newline; "" for none. Valid until the next clear on this thread. */
 const char *pupil_video_log_text(void);
 
-/* The first error that a codec reports, on whichever of its threads. */
+/* The first error that a codec reports, on any of its threads. */
 typedef struct pupil_video_words {
     char text[256]; /* "" for none */
 } pupil_video_words;

@@ -15,15 +15,15 @@
 
 #define PUPIL_LIGHT_CODES 65536 /* a table's entries: entry i is the light of the signal i / 65535 */
 
-/* Fills the table. -1 for a transfer that is not known here (the table is untouched). */
+/* Fills the table. -1 for an unknown transfer (the table is untouched). */
 int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharacteristic transfer);
 
 /* Row by row, linear RGB of these primaries to linear Rec.709. White goes to white: grey stays grey, also for the
  * cinema primaries whose white is not D65. Unspecified primaries count as Rec.709. -1 for unknown primaries. */
 int pupil_light_to_rec709(double matrix[9], enum AVColorPrimaries primaries);
 
-/* The weights of red and blue in luma, of which every matrix of H.273 (table 4) of this kind is made; that which is
- * derived from the chromaticities has those of the primaries. -1 for a matrix that is not of this kind (constant
+/* The weights of red and blue in luma, from which every matrix of H.273 (table 4) of this kind is made; the
+ * chromaticity-derived matrix has the weights of the primaries. -1 for a matrix that is not of this kind (constant
  * luminance, ICtCp, YCgCo) or unspecified. */
 int pupil_light_luma(double *red, double *blue, enum AVColorSpace space, enum AVColorPrimaries primaries);
 

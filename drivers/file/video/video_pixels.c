@@ -11,7 +11,7 @@
 #include "video_rows.h"
 #include "yuv_rows.h"
 
-/* Largest entry of the light table: the unit in which signals are worked on here. */
+/* Largest entry of the light table: the unit of signals in this file. */
 #define FULL (PUPIL_LIGHT_CODES - 1)
 
 void pupil_video_pixels_free(pupil_video_pixels *p)
@@ -255,7 +255,7 @@ static void convert_row(pupil_video_pixels *p, const AVFrame *f, int y, float *o
     }
 }
 
-/* Each row of the matrix sums to 1; written with differences, grey stays grey to the last bit. */
+/* Each row of the matrix sums to 1; computed with differences, grey stays grey to the last bit. */
 static void to_rec709(const pupil_video_pixels *p, float *pixel, int count)
 {
     for (int x = 0; x < count; x++, pixel += 3) {

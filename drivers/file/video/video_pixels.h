@@ -1,20 +1,20 @@
-/* drivers/file/video/video_pixels.h: one decoded video frame as an image for the library: SDR as linear Rec.709 float,
- * exactly, and so PQ and HLG of other primaries than BT.709 and BT.2020 (P3); PQ and HLG of these as Y'CbCr 4:4:4
- * (video_codes.h).
+/* drivers/file/video/video_pixels.h: one decoded video frame as an image for the library: SDR as exact linear Rec.709
+ * float, and PQ and HLG of primaries other than BT.709 and BT.2020 (P3) likewise; PQ and HLG of these two as Y'CbCr
+ * 4:4:4 (video_codes.h).
  *
  * swscale is not used on purpose. Its YUV to 16-bit RGB maps white to 65283 of 65535 (0.4 % short, 0.9 % of light), but
- * RGB sources to 65535. So the same grey would differ by its pixel format. Here every sample is read as it is, chroma
+ * RGB sources to 65535. So the same grey would depend on its pixel format. Here every sample is read as it is, chroma
  * is interpolated linearly at its true position, and the matrix is the standard's.
  *
- * Nor does the library get the 4:2:0 that a frame is, although it reads that: there the four pixels of a block share Cb
- * and Cr. Of a colourful photograph as HDR10, 32 % of the samples then differ by more than a code, and the level by
+ * The library reads 4:2:0, but does not get it from here, because it gives the four pixels of a block the same Cb and
+ * Cr. For a colourful photograph as HDR10, 32 % of the samples would then differ by more than a code, and the level by
  * 0.0014 EV (drivers.file.video_hdr10). Without chroma both are the same to a code.
  *
- * What an untagged frame is taken for: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are
- * BT.2020, else BT.709 from 1280 columns or 577 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ,
- * HLG or the BT.2020 matrix, else BT.709. Range: limited for YUV, full for grey and for the old "yuvj" formats; RGB is
- * always full range. Chroma: co-sited with the left luma sample. Signals outside 0..1 are clamped before the transfer
- * curve, light is not: SDR colours outside Rec.709 come out negative.
+ * Defaults of an untagged frame: the matrix is BT.2020 where the transfer is PQ or HLG or the primaries are BT.2020,
+ * else BT.709 from 1280 columns or 577 rows on and BT.601 below, as players do. Primaries: BT.2020 with PQ, HLG or the
+ * BT.2020 matrix, else BT.709. Range: limited for YUV, full for grey and for the old "yuvj" formats; RGB is always full
+ * range. Chroma: co-sited with the left luma sample. Signals outside 0..1 are clamped before the transfer curve, light
+ * is not: SDR colours outside Rec.709 come out negative.
  *
  * Threads: one thread at a time on an object.
  */
@@ -37,7 +37,7 @@ typedef struct pupil_video_kind {
     int width, height, format, space, range, transfer, primaries, chroma;
 } pupil_video_kind;
 
-/* libav's, with what a frame leaves open filled in. */
+/* libav's tags, with defaults for those that a frame lacks. */
 typedef struct pupil_video_tags {
     int space, transfer, primaries, is_full;
 } pupil_video_tags;
@@ -49,7 +49,7 @@ typedef struct pupil_video_pixels {
     const AVPixFmtDescriptor *format;
     int is_rgb, is_grey, is_coded, has_709_primaries;
     uint16_t *codes;          /* one row as stored */
-    uint32_t *chroma_left;    /* for each x the chroma sample at or left of it, and the share of the next one */
+    uint32_t *chroma_left;    /* for each x the chroma sample at or left of it, and the weight of the next one */
     uint32_t *chroma_eighths; /* in eighths */
     /* PQ and HLG */
     uint16_t *planes;       /* Y', Cb and Cr, width x height each */
@@ -66,8 +66,8 @@ typedef struct pupil_video_pixels {
     float light[PUPIL_LIGHT_CODES];
 } pupil_video_pixels;
 
-/* Converts the frame into pixels->image. Memory is taken and tables are made when the kind of frame changes. 0, or -1
- * and a sentence without a file name; the object stays usable. */
+/* Converts the frame into pixels->image. When the kind of frame changes, memory is allocated and tables are made. 0, or
+ * -1 and a sentence without a file name; the object stays usable. */
 int pupil_video_pixels_convert(pupil_video_pixels *pixels, const AVFrame *frame, pupil_why *why);
 
 void pupil_video_pixels_free(pupil_video_pixels *pixels);

@@ -5,8 +5,8 @@
 #include <libavcodec/avcodec.h>
 #include <libavutil/avconfig.h>
 
-/* Offset of the first chroma sample from the first luma sample, in luma samples: half of what is between two chroma
- * samples where it sits in the centre (position 128 in libav's terms). */
+/* Offset of the first chroma sample from the first luma sample, in luma samples: half a chroma sample's distance where
+ * it is in the centre (position 128 in libav's terms). */
 static double chroma_offset(int position, int shift)
 {
     return position / 128.0 * (ldexp(1, shift) - 1) / 2;

@@ -11,7 +11,7 @@
 /* Fills in chroma_left and chroma_eighths; location is an AVChromaLocation. */
 void pupil_video_set_chroma(pupil_video_pixels *pixels, int location);
 
-/* Which rows of chroma are around the luma row y, and the share of the lower one in eighths. */
+/* The two rows of chroma around the luma row y, and the weight of the lower one in eighths. */
 typedef struct pupil_video_chroma_rows {
     int upper, lower;
     uint32_t eighths;

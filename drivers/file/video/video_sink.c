@@ -1,5 +1,5 @@
-/* A video through libav: H.264 where the library has an encoder for it, 4:2:0 because browsers play nothing else, and
- * so of even size: odd frames get their last column or row twice. */
+/* A video through libav: H.264 where the library has an encoder for it. It is 4:2:0, because browsers play nothing
+ * else, and so has an even size: the last column or row of an odd frame is repeated. */
 #include "video_sink.h"
 
 #include "file/common/pending.h"
@@ -20,9 +20,9 @@
 /* H.264 (2021) table A-1: MaxFS, the largest frame of the highest level (6.2), 139264 macroblocks of 16 x 16. */
 #define PIXELS_MAX (139264u * 256u)
 #define NS         ((AVRational){1, 1000000000})
-/* A clock that steps by more than this between frames has been set, not run: it counts as a nominal frame. */
+/* A larger step between frames means that the clock was set: it counts as a nominal frame. */
 #define GAP_MAX_NS (INT64_C(3600) * 1000000000)
-/* A fragment of live video; with the frame that the encoder holds it is what a kill loses. */
+/* A fragment of live video. A kill loses at most this and the frame that the encoder holds. */
 #define FRAGMENT_MS 500
 
 typedef struct video_sink {
@@ -56,7 +56,7 @@ static int fail(const video_sink *v, int error, pupil_why *why)
 static int64_t next_tick(video_sink *v, const pupil_frame_info *info)
 {
     const int64_t stamp_ns = info ? info->timestamp_ns : 0;
-    /* Unsigned, so that any two timestamps have a difference. */
+    /* Unsigned, so that the difference never overflows. */
     const uint64_t step_ns = (uint64_t)stamp_ns - (uint64_t)v->stamp_ns;
     const double fps = v->options.fps;
     int64_t time_ns = v->base_ns + (int64_t)((double)(v->frames - v->base_frame) * 1e9 / fps + 0.5), tick;
@@ -92,8 +92,7 @@ static void fill_frame(AVFrame *frame, const pupil_image_const *image)
     }
 }
 
-/* Half a second and more of a live video: a fragment, which is in the file from now on. The file's name comes with its
- * first fragment. */
+/* After half a second of a live video: writes the fragment to the file. The first fragment gives the file its name. */
 static int end_fragment(video_sink *v, int64_t packet_end, pupil_why *why)
 {
     const AVRational base = v->muxer->streams[0]->time_base;
@@ -112,7 +111,7 @@ static int end_fragment(video_sink *v, int64_t packet_end, pupil_why *why)
     return PUPIL_SINK_OK;
 }
 
-/* Hands a frame (NULL: the end) to the encoder, and what comes out of it to the file. */
+/* Passes a frame (NULL: the end) to the encoder, and its output to the file. */
 static int encode(video_sink *v, const AVFrame *frame, pupil_why *why)
 {
     int error = avcodec_send_frame(v->encoder, frame);
@@ -217,8 +216,8 @@ static void describe(video_sink *v, AVCodecContext *c)
     c->color_range = AVCOL_RANGE_MPEG;
     c->colorspace = AVCOL_SPC_BT709;
     c->color_primaries = v->options.primaries == PUPIL_PRIMARIES_BT2020 ? AVCOL_PRI_BT2020 : AVCOL_PRI_BT709;
-    /* What the pixels are, sRGB by default. Tagged BT.709, QuickTime, Safari and mpv would take them for a camera's or
-     * a television's curve and show them lighter or darker. Players that know no transfer show both alike (the ASWF
+    /* The pixels' real curve, sRGB by default. With a BT.709 tag, QuickTime, Safari and mpv would assume a camera's or
+     * a television's curve and show them lighter or darker. Players that ignore the transfer show both alike (the ASWF
      * Encoding Guidelines measured browsers and say the same). */
     static const enum AVColorTransferCharacteristic curves[PUPIL_TRANSFER_COUNT] = {
         [PUPIL_TRANSFER_SRGB] = AVCOL_TRC_IEC61966_2_1,
@@ -244,11 +243,11 @@ static int open_encoder(video_sink *v, const char *name)
     if (strcmp(name, "libx264") == 0) {
         av_dict_set(&more, "preset", "fast", 0);
         av_dict_set(&more, "crf", "18", 0);   /* differences are hard to see (x264's own word for 17 to 18) */
-        av_dict_set(&more, "mbtree", "0", 0); /* it reads memory that nobody wrote: other bits in each process (164) */
-        if (v->options.live)                  /* else it keeps over 40 frames to itself */
+        av_dict_set(&more, "mbtree", "0", 0); /* it reads uninitialised memory: other bits in each process (164) */
+        if (v->options.live)                  /* else it holds back over 40 frames */
             av_dict_set(&more, "tune", "zerolatency", 0);
     } else if (strcmp(name, "libopenh264") == 0) {
-        /* It knows no constant quality: 0.2 bits a pixel, twice what video of this size is usually given. */
+        /* It has no constant quality mode: 0.2 bits a pixel, twice the usual rate of video of this size. */
         v->encoder->bit_rate = (int64_t)(0.2 * v->options.fps * v->options.width * v->options.height) + 64000;
     } else {
         v->encoder->flags |= AV_CODEC_FLAG_QSCALE;
@@ -256,7 +255,7 @@ static int open_encoder(video_sink *v, const char *name)
     }
     errno = 0;
     error = avcodec_open2(v->encoder, codec, &more);
-    if (error < 0 && errno == ENOMEM) /* libx264 says no more than that it failed */
+    if (error < 0 && errno == ENOMEM) /* libx264 reports only that it failed */
         error = AVERROR(ENOMEM);
     av_dict_free(&more);
     if (error < 0)
@@ -288,7 +287,7 @@ static int open_muxer(video_sink *v, pupil_why *why)
         error = avio_open(&v->muxer->pb, v->muxer->url, AVIO_FLAG_WRITE);
     }
     if (error >= 0) {
-        /* It plays before it is there to its end; live, at any time. Matroska ignores both. */
+        /* The file plays before it is fully downloaded; live, while it is written. Matroska ignores both. */
         av_dict_set(&more, "movflags", v->options.live ? "+frag_custom+empty_moov+default_base_moof" : "+faststart", 0);
         error = avformat_write_header(v->muxer, &more);
         av_dict_free(&more);
@@ -346,7 +345,7 @@ int pupil_video_sink_open(const char *path, const pupil_sink_options *options, p
     v = calloc(1, sizeof *v);
     if (!v)
         return pupil_refuse(why, "%s: out of memory", path);
-    av_log_set_level(AV_LOG_QUIET); /* what goes wrong is said in sentences; x264 would print a report of its own */
+    av_log_set_level(AV_LOG_QUIET); /* errors are reported as sentences; x264 would print its own report */
     v->sink.ops = &video_ops;
     v->options = *options;
     if (video_begin(v, path, why)) {

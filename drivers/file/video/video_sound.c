@@ -9,7 +9,7 @@
 
 #define NS ((AVRational){1, 1000000000})
 
-/* Only sound is decoded, and only to see what it is. */
+/* Only sound is decoded, and only to identify it. */
 #define MOST_PIXELS (1 << 26)
 
 struct pupil_video_sound {
@@ -17,10 +17,10 @@ struct pupil_video_sound {
     AVFormatContext *from, *to;
     AVPacket *packet;
     unsigned streams;
-    int *stream;      /* of each stream of `from`, the one of `to`; -1: not copied */
+    int *stream;      /* for each stream of `from`, the index in `to`; -1: not copied */
     int64_t begin_ns; /* the time in `from` at which the video begins */
     int has_packet, ended;
-    int error; /* libav's: the rest cannot be read; 0: it can, or is no more */
+    int error; /* libav's code: the rest cannot be read; 0: it can, or has ended */
 };
 
 void pupil_video_sound_close(pupil_video_sound *s)
@@ -45,8 +45,8 @@ static AVStream *add_to(AVFormatContext *muxer, const AVStream *from)
     return to;
 }
 
-/* Whether a format's writer takes such a stream: what it says of codecs leaves some out, and has some that it refuses
- * when the header is written. So a header is written, to nowhere. */
+/* Whether a format's writer takes such a stream. Its list of codecs lacks some that it takes, and has some that it
+ * refuses when the header is written. So this writes a header to memory and discards it. */
 static int takes(const AVOutputFormat *format, const AVStream *from)
 {
     AVFormatContext *trial = NULL;
@@ -63,7 +63,7 @@ static int takes(const AVOutputFormat *format, const AVStream *from)
     return taken;
 }
 
-/* A stream of the muxer's with the same coding; -1: its format does not have it. */
+/* Adds a stream with the same coding to the muxer; -1: its format cannot hold it. */
 static int add(pupil_video_sound *s, const AVStream *from, pupil_why *why)
 {
     if (!takes(s->to->oformat, from)) {

@@ -22,13 +22,13 @@
 
 #define DEFAULT_FPS 30.0
 
-/* Of a frame: as many as a still may have (still.h). */
+/* Largest frame: as a still's (still.h). */
 #define MOST_PIXELS (INT64_C(1) << 26)
 
-/* Damaged frames in a row, without one that is whole, after which a video is given up: 100 s at 10 fps. */
+/* A video is given up after this many damaged frames in a row: 100 s at 10 fps. */
 #define MAX_DAMAGED 1000
 
-/* How often in a row a demuxer may ask to be called again; reads here block, so that it has no reason to. */
+/* How often in a row a demuxer may ask to be called again; reads block, so it has no reason to. */
 #define MAX_AGAIN 1000
 
 /* Bytes that are read for a packet, and to find out what a video is: 8 for each pixel of the largest frame. */
@@ -47,7 +47,8 @@ typedef struct video_source {
     AVPacket *packet;
     AVFrame *frame;
     pupil_video_pixels pixels;
-    pupil_frame first; /* what next hands out first: it is decoded at open, because it says which primaries they have */
+    pupil_frame first; /* decoded at open, because it says which primaries the frames have; returned by the first
+                        * next */
     int is_open, has_first, first_code;
     pupil_why first_why;
     int has_packet;  /* read, and not yet taken by the decoder */
@@ -62,7 +63,7 @@ typedef struct video_source {
     pupil_why last;                /* the sentence of FAILED */
     uint64_t handed, sequence;
     int damaged_in_a_row;
-    int64_t packets_end;  /* where the demuxer was after the last packet */
+    int64_t packets_end;  /* the demuxer's position after the last packet */
     int64_t packets_time; /* when the last packet ended, in units of the stream that are frames in an AVI */
     int64_t first_pts, last_ns, period_ns;
     uint32_t width, height;
@@ -118,7 +119,8 @@ static double nominal_fps(video_source *v, const pupil_source_options *options)
 
 /* --- decode --- */
 
-/* The demuxer has come to its end: was it the video's? Two formats that end without a word get a look of their own. */
+/* The demuxer has ended: was that the end of the video? Two formats that end without an error are checked
+ * separately. */
 static void note_end(video_source *v, int code)
 {
     char words[AV_ERROR_MAX_STRING_SIZE];
@@ -161,7 +163,7 @@ static int read_packet(video_source *v)
     return -1;
 }
 
-/* One step toward a frame: gives the decoder a packet, or the news that there are no more. 0, or a code of next. */
+/* One step toward a frame: gives the decoder a packet, or the end of the stream. 0, or a return value of next. */
 static int feed(video_source *v, pupil_why *why)
 {
     char words[AV_ERROR_MAX_STRING_SIZE], text[256];
@@ -177,7 +179,7 @@ static int feed(video_source *v, pupil_why *why)
     pupil_video_log_clear();
     int code = pupil_video_damage_send(&v->damage, v->codec, v->has_packet ? v->packet : NULL);
     if (code == AVERROR(EAGAIN))
-        return 0; /* frames are to be taken out first; they are, next */
+        return 0; /* the decoder's frames must be received first, which the caller does next */
     if (v->has_packet)
         av_packet_unref(v->packet);
     v->has_packet = 0;
@@ -189,7 +191,7 @@ static int feed(video_source *v, pupil_why *why)
     return damaged(v, why, text[0] ? text : pupil_libav_words(code, words));
 }
 
-/* Upright, unless it is to stay as it is stored: by the matrix of the frame, or else of the stream. */
+/* Sets the turn that makes it upright, unless as_stored: by the frame's matrix, else by the stream's. */
 static int turn(video_source *v, pupil_why *why)
 {
     const AVFrameSideData *of_frame = av_frame_get_side_data(v->frame, AV_FRAME_DATA_DISPLAYMATRIX);
@@ -331,7 +333,7 @@ static void video_close(pupil_source *source)
 
 /* --- open --- */
 
-/* The sink opens the file again: what is no file, such as a pipe, is gone by then. */
+/* The sink opens the file again, which a pipe does not allow. */
 static void note_sound(video_source *v)
 {
     struct stat is;
@@ -365,7 +367,7 @@ static int find_stream(video_source *v, const AVCodec **decoder, pupil_why *why)
     for (unsigned i = 0; i < v->format->nb_streams; i++)
         if (v->format->streams[i] != v->stream)
             v->format->streams[i]->discard = AVDISCARD_ALL;
-#if LIBAVFORMAT_VERSION_MAJOR < 60 /* later, decoders hand it on with each frame */
+#if LIBAVFORMAT_VERSION_MAJOR < 60 /* later versions attach it to each frame */
     size_t bytes = 0;
     const uint8_t *matrix = av_stream_get_side_data(v->stream, AV_PKT_DATA_DISPLAYMATRIX, &bytes);
     v->display_matrix = bytes >= 9 * sizeof(int32_t) ? (const int32_t *)(const void *)matrix : NULL;
@@ -388,13 +390,14 @@ static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pix
     v->codec->pkt_timebase = v->stream->time_base;
     v->codec->max_pixels = max_pixels;
     v->codec->thread_count = threads; /* 0: as many as there are processors */
-    /* Slices only: a frame comes out of the call that its packet goes into, so that what libav says is about it. */
+    /* Slices only: a frame comes out of the call that takes its packet, so that libav's messages are about this
+     * frame. */
     v->codec->thread_type = FF_THREAD_SLICE;
-    /* Not AV_EF_EXPLODE: with it libavcodec 59 runs into an assertion of its own on damaged MPEG-4 and aborts. */
+    /* Not AV_EF_EXPLODE: with it libavcodec 59 fails an assertion on damaged MPEG-4 and aborts. */
     v->codec->err_recognition = AV_EF_CRCCHECK;
     AVDictionary *more = NULL;
     if (strcmp(decoder->name, "libdav1d") == 0)
-        av_dict_set(&more, "framedelay", "1", 0); /* the same of frames of AV1 */
+        av_dict_set(&more, "framedelay", "1", 0); /* the same for frames of AV1 */
     pupil_video_damage_begin(&v->damage, v->codec);
     pupil_video_log_clear();
     int code = avcodec_open2(v->codec, decoder, &more);
@@ -404,7 +407,7 @@ static int open_decoder(video_source *v, const AVCodec *decoder, int64_t max_pix
     return 0;
 }
 
-/* How many frames to expect: what the container says, else its duration in frames. For a progress line, no promise. */
+/* How many frames to expect: what the container says, else its duration in frames. An estimate for a progress line. */
 static uint64_t expected_frames(const video_source *v)
 {
     if (v->stream->nb_frames > 0)

@@ -1,14 +1,13 @@
-/* drivers/file/video/video_source.h: what pupil_video_source_open (file_source.h) is made of, for tests and the fuzzer.
+/* drivers/file/video/video_source.h: the parts of pupil_video_source_open (file_source.h), for tests and the fuzzer.
  *
  * Time: a frame's timestamp is its presentation time less that of the first frame; one that is missing, or not after
  * the frame before, counts as one nominal frame later. The nominal rate is the stream's, else options.fps, else 30.
  *
- * Damage: a packet that is cut short or that its decoder refuses, and a frame that the decoder marks as damaged, or
- * logs an error of (video_damage.h), come out as PUPIL_SOURCE_DAMAGED, and the frames after them follow. A file that
- * ends in the middle of a packet (where the container lets that be seen) hands out every frame that is whole, then
- * PUPIL_SOURCE_DAMAGED once, and is then at its end. One that cannot be read on fails. Size, once the first frame is
- * out, never changes: another size fails. Frames come upright, by the display matrix of the frame or of the stream,
- * unless options.as_stored.
+ * Damage: a packet that is cut short or refused by its decoder, and a frame that the decoder marks as damaged or logs
+ * an error for (video_damage.h), give PUPIL_SOURCE_DAMAGED; the frames after them follow. A file that ends in the
+ * middle of a packet (where the container shows that) gives every whole frame, then PUPIL_SOURCE_DAMAGED once, and then
+ * ends. A read error fails. The size must not change after the first frame: another size fails. Frames come upright, by
+ * the display matrix of the frame or of the stream, unless options.as_stored.
  */
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H
 #define PUPIL_DRIVERS_FILE_VIDEO_VIDEO_SOURCE_H

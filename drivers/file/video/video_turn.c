@@ -5,10 +5,10 @@
 
 #include "refuse.h"
 
-/* Pixels of a side of a tile: its source and its target both stay in the cache, whichever way it is turned. */
+/* Pixels of a side of a tile: source and target both stay in the cache, whichever way the tile is turned. */
 #define TILE 32u
 
-/* Part of a turn that counts as none: a thousandth. */
+/* A part of a turn this small counts as none: a thousandth. */
 #define LITTLE 1000
 
 static int is_little(int32_t of, int32_t beside)
@@ -53,7 +53,7 @@ static void copy_row(const uint8_t *from, ptrdiff_t step, uint8_t *to, uint32_t 
 {
     for (uint32_t i = 0; i < count; i++, from += step, to += bytes) {
         if (bytes == 3 * sizeof(float))
-            memcpy(to, from, 3 * sizeof(float)); /* of a size that the compiler knows */
+            memcpy(to, from, 3 * sizeof(float)); /* its size is known to the compiler */
         else if (bytes == 3)
             memcpy(to, from, 3);
         else
@@ -61,7 +61,7 @@ static void copy_row(const uint8_t *from, ptrdiff_t step, uint8_t *to, uint32_t 
     }
 }
 
-/* The target's pixel (x, y) is the source's at first + x * step_x + y * step_y. */
+/* The target's pixel (x, y) is the source's pixel at first + x * step_x + y * step_y. */
 static void turn_plane(const pupil_video_turn *t, const uint8_t *from, uint32_t width, uint32_t height, size_t bytes,
                        uint8_t *to)
 {

@@ -1,6 +1,6 @@
 /* YUV4MPEG2, 4:4:4, 8 bit, limited range, to a file or to standard output. The format names the range (XCOLORRANGE, as
- * mjpegtools and ffmpeg have it) but not the matrix. So it is the one that players take where none is named, and that
- * pupil_video_pixels reads such a video by (yuv_rows.h). */
+ * mjpegtools and ffmpeg have it) but not the matrix. So this sink uses the matrix that players assume where none is
+ * named; pupil_video_pixels reads such a video with it, too (yuv_rows.h). */
 #include "video_sink.h"
 
 #include "file/common/pending.h"
@@ -25,8 +25,8 @@ typedef struct y4m_sink {
     int to_stdout, fd;
     uint64_t frames;
     int is_shown;      /* a live file: it is in its place, */
-    off_t whole_bytes; /* and so long with its whole frames */
-    double due_s;      /* keep_time: the stream's time of the last frame that came, gaps left out, */
+    off_t whole_bytes; /* and this long with its whole frames */
+    double due_s;      /* keep_time: the last frame's time in the stream, without gaps, */
     int64_t stamp_ns;  /* and its timestamp */
     uint64_t came;
     size_t filled;
@@ -58,7 +58,7 @@ static int y4m_flush(y4m_sink *s, pupil_why *why)
     return PUPIL_SINK_OK;
 }
 
-/* Where the next `bytes` go, after making room; NULL where that failed. */
+/* Where to put the next `bytes`, after making room; NULL where that failed. */
 static uint8_t *y4m_room(y4m_sink *s, size_t bytes, pupil_why *why)
 {
     if (s->filled + bytes > sizeof s->buffer && y4m_flush(s, why))
@@ -87,8 +87,8 @@ static int y4m_header(y4m_sink *s, pupil_why *why)
     return y4m_text(s, text, why);
 }
 
-/* How often a frame is to be written: up to the nearest moment of the stream's own rate, and not at all where another
- * one is there already. */
+/* How often a frame is to be written: up to the nearest tick of the stream's rate, and not at all where that tick has a
+ * frame already. */
 static uint64_t y4m_times(y4m_sink *s, const pupil_frame_info *info)
 {
     const int64_t stamp_ns = info ? info->timestamp_ns : 0;
@@ -115,10 +115,10 @@ static int y4m_frame(y4m_sink *s, const pupil_image_const *image, pupil_why *why
             pupil_yuv_row(matrix, (pupil_yuv_plane)plane,
                           (const uint8_t *)image->data + (ptrdiff_t)y * image->stride_bytes, image->width, room);
         }
-    return y4m_flush(s, why); /* the pipe's reader gets a frame as soon as there is one */
+    return y4m_flush(s, why); /* the pipe's reader gets each frame at once */
 }
 
-/* After a whole frame. A live file has its name from the first one on. */
+/* Called after a whole frame. The first one gives a live file its name. */
 static int y4m_note_whole(y4m_sink *s, pupil_why *why)
 {
     if (s->to_stdout || !s->options.live)
@@ -130,7 +130,7 @@ static int y4m_note_whole(y4m_sink *s, pupil_why *why)
     return PUPIL_SINK_OK;
 }
 
-/* After a frame that failed: its part is cut off again. */
+/* Cuts off the part of a frame that failed. */
 static int y4m_keep_whole(y4m_sink *s, pupil_why *why)
 {
     s->filled = 0;

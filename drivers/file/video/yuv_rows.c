@@ -19,7 +19,7 @@ void pupil_yuv_row(pupil_yuv_matrix matrix, pupil_yuv_plane plane, const uint8_t
         out[x] = (uint8_t)((offset + r * rgb[0] + g * rgb[1] + b * rgb[2]) >> SHIFT);
 }
 
-/* A channel's eight-fold mean around column x, from both rows. */
+/* Eight times a channel's mean around column x, from both rows. */
 static int32_t sum_of_eight(const uint8_t *top, const uint8_t *bottom, uint32_t left, uint32_t x, uint32_t right)
 {
     return top[3 * left] + 2 * top[3 * x] + top[3 * right] + bottom[3 * left] + 2 * bottom[3 * x] + bottom[3 * right];

@@ -4,8 +4,8 @@
  * - BT.601 (Rec. ITU-R BT.601-7, item 2.5): L = 0.299 R + 0.587 G + 0.114 B, b = 1.772, r = 1.402
  * - Y = 16 + 219/255 L, Cb = 128 + 224/255 (B - L) / b, Cr = 128 + 224/255 (R - L) / r
  *
- * Never more than one code from the formula rounded, and that only where the formula falls within 0.003 of the middle
- * between two codes (0.02 % of the samples of all 2^24 colours). Grey is exactly Cb = Cr = 128.
+ * The result is never more than one code from the rounded formula, and differs only where the formula is within 0.003
+ * of the middle between two codes (0.02 % of the samples of all 2^24 colours). Grey is exactly Cb = Cr = 128.
  */
 #ifndef PUPIL_DRIVERS_FILE_VIDEO_YUV_ROWS_H
 #define PUPIL_DRIVERS_FILE_VIDEO_YUV_ROWS_H
@@ -15,7 +15,7 @@
 typedef enum pupil_yuv_matrix { PUPIL_YUV_709 = 0, PUPIL_YUV_601 } pupil_yuv_matrix;
 typedef enum pupil_yuv_plane { PUPIL_YUV_Y = 0, PUPIL_YUV_CB, PUPIL_YUV_CR } pupil_yuv_plane;
 
-/* What players (mpv, libplacebo) take a picture of this size by where its file names no matrix. */
+/* The matrix that players (mpv, libplacebo) assume for a picture of this size whose file names none. */
 static inline pupil_yuv_matrix pupil_yuv_matrix_of(uint32_t width, uint32_t height)
 {
     return width >= 1280 || height > 576 ? PUPIL_YUV_709 : PUPIL_YUV_601;
