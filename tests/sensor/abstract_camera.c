@@ -9,18 +9,19 @@
 #define STEP    (1.0 / 16.0)
 #define FRAME_S (1.0 / 30.0)
 #define TOP     4095    /* 12 bits */
-#define FLOOR   0x1p-14 /* of pupil_config: what black counts as */
-/* Of the scene, from its mean to its ends: at the key the brightest sample is 0.57 stops below the top code. */
+#define FLOOR   0x1p-14 /* the default floor of pupil_config, as which black counts */
+/* Half the scene's range, from its mean to its ends: at the key the brightest sample is 0.57 stops below the top
+ * code. */
 #define SPREAD_EV 1.9
-#define NOISE     0x1p-13 /* of a sample at gain 1, standard deviation: half a code */
+#define NOISE     0x1p-13 /* standard deviation of a sample at gain 1: half a code */
 
 enum { SAMPLES = 16, PIXELS = PUPIL_BANDS * SAMPLES };
 
-/* Noise only; beyond what the camera can, on the dark side; four that it sees at once; two that fill every sample at
- * the usual setting; and two of which the last is beyond what it can, on the bright side. */
+/* Noise only; too dark for the camera; four that it sees at once; two that saturate every sample at the usual setting;
+ * and two on the bright side, the last of which is too bright for the camera. */
 const double abstract_light_ev[ABSTRACT_LEVELS] = {-20.0, -7.5, -4.0, -1.5, 0.0, 1.2, 3.0, 5.0, 8.0, 11.0};
 
-/* The camera's own setting, of its automatic. */
+/* The setting of the camera's own automatic. */
 static const double own_auto[2] = {200 * LINE_S, 2.0};
 
 /* Quantiles of a normal distribution, in any order: the noise of the samples, the same in each frame. */
@@ -68,7 +69,7 @@ void abstract_camera_set_faults(abstract_camera *camera, uint32_t faults)
     camera->faults = faults;
 }
 
-/* One sample's code for all frames: what it adds to the statistics. */
+/* What a sample of one code adds to the statistics, in all frames. */
 typedef struct code_row {
     double log2;
     uint16_t bin, peak_bin;
@@ -202,7 +203,7 @@ abstract_reach abstract_camera_reach(const abstract_camera *camera, const pupil_
         if (camera->faults & ABSTRACT_EXPOSURE_DEAD) {
             look_at(&reach, log2(camera->dead[0] * gain / right_s));
         } else {
-            /* more lines are never darker: of all of them, the last below the key and the first above it */
+            /* more lines are never darker, so only the last one below the key and the first one above it count */
             const int lines = (int)fmin(fmax(floor(right_s / gain / LINE_S), 1.0), most);
             look_at(&reach, log2(lines * LINE_S * gain / right_s));
             if (lines < most)

@@ -6,7 +6,7 @@
 
 #define SHOWN_EV  0.1
 #define SENSOR_EV 0.25
-/* So near to the end of what the camera can both answers are right. The noise moves the mean by up to 0.03 EV. */
+/* This near to the end of the camera's range both answers are right. The noise moves the mean by up to 0.03 EV. */
 #define EDGE_EV 0.1
 
 const char *const abstract_verdict_name[ABSTRACT_VERDICTS] = {"right",       "no number",    "outside the limits",
@@ -14,7 +14,7 @@ const char *const abstract_verdict_name[ABSTRACT_VERDICTS] = {"right",       "no
 
 uint64_t abstract_frames;
 
-/* Which camera is it: delays, saturation, rest. */
+/* The properties of camera `which`: delays, saturation, rest. */
 static void parts_of(int which, uint32_t *delay, uint32_t *believed, double *saturation, int *rests)
 {
     *delay = 1 + (uint32_t)which / 4 % 4;
@@ -109,7 +109,8 @@ abstract_verdict abstract_loop_go(abstract_loop *loop, const char *text)
     return worst;
 }
 
-/* A limit of this side. Where a control is dead, or info says so whatever the picture does, IGNORED is right, too. */
+/* Whether a limit of this side is named. IGNORED is right, too, where a control is dead, or info says so regardless of
+ * the picture. */
 static int is_named(const pupil_sensor_setting *s, uint32_t faults, int too_dark)
 {
     const int is_upper = s->reason == PUPIL_SENSOR_AT_EXPOSURE_MAX || s->reason == PUPIL_SENSOR_AT_FRAME_PERIOD ||
@@ -141,7 +142,7 @@ abstract_verdict abstract_loop_judge(const abstract_loop *loop)
     if (fabs(sensor_ev - best_ev) > fmax(SENSOR_EV, 0.5 * step_ev) + 1e-9)
         return ABSTRACT_SENSOR_WRONG;
     const int is_shown = fabs(shown_ev) <= SHOWN_EV;
-    /* the sensor may be so far off anyway, if what is shown is right */
+    /* the sensor may be this far off anyway, if the shown frame is right */
     if (is_beyond && !(is_shown && fabs(best_ev) <= SENSOR_EV))
         return is_named(&s, loop->camera.faults, too_dark) ? ABSTRACT_RIGHT : ABSTRACT_LIMIT_NOT_NAMED;
     return is_shown || near_edge ? ABSTRACT_RIGHT : ABSTRACT_SHOWN_WRONG;
@@ -164,10 +165,10 @@ void abstract_loop_print(const abstract_loop *loop)
            reach.above_ev, abstract_verdict_name[abstract_loop_judge(loop)]);
 }
 
-/* What is inside the object is not known here. A word of it that reads as a double of ordinary size is taken for one
- * and cut; counts, masks, pairs of small integers, bytes and stamps read as numbers that are tiny, huge or none, and
- * count bit for bit. Where a pair of integers does read as an ordinary double, its low bits are lost: a merge too
- * many, no failure that is none. */
+/* The object's contents are not known here. A word that reads as a double of ordinary size is assumed to be one and
+ * rounded. Counts, masks, pairs of small integers, bytes and stamps read as tiny or huge numbers or NaN, and count bit
+ * for bit. A pair of integers that reads as an ordinary double loses its low bits: that merges too many states, but
+ * reports no false failure. */
 static uint64_t rounded(uint64_t word)
 {
     const int exponent = (int)(word >> 52 & 0x7ff) - 1023;

@@ -1,5 +1,5 @@
-/* The sensor's loop around abstract_camera, both as plain bytes: copied to go on from the same state more than once.
- * What happens is a text: letters, then a point for each frame.
+/* The sensor's loop around abstract_camera, both as plain bytes: a copy continues from the same state. Events are a
+ * text: letters, then a point for each frame.
  *
  *     0-9  the light is that level from this frame on
  *     e g  exposure, gain: dead, or alive again
@@ -24,8 +24,8 @@ typedef struct abstract_loop {
 
 typedef enum abstract_verdict {
     ABSTRACT_RIGHT = 0,
-    ABSTRACT_NO_NUMBER,       /* a number that is none, or a call that failed */
-    ABSTRACT_OUTSIDE_LIMITS,  /* a setting that the camera has not */
+    ABSTRACT_NO_NUMBER,       /* NaN or infinite, or a call that failed */
+    ABSTRACT_OUTSIDE_LIMITS,  /* a setting that the camera does not have */
     ABSTRACT_SHOWN_WRONG,     /* over 0.1 EV from the key, which is within reach */
     ABSTRACT_SENSOR_WRONG,    /* over 0.25 EV, and half a step, from the best setting */
     ABSTRACT_LIMIT_NOT_NAMED, /* out of reach, and the state is not LIMITED by a limit of that side */
@@ -40,17 +40,18 @@ const char *abstract_camera_name(int which);
 /* Calls of pupil_sensor_frame so far, of all loops of this process. */
 extern uint64_t abstract_frames;
 
-/* Carries out the letters; each point is a frame. The first wrong verdict of ABSTRACT_NO_NUMBER and OUTSIDE_LIMITS. */
+/* Applies the letters; each point is a frame. Returns the first verdict that is ABSTRACT_NO_NUMBER or
+ * OUTSIDE_LIMITS. */
 abstract_verdict abstract_loop_go(abstract_loop *loop, const char *text);
 
-/* Whether what is shown now is what is promised of still light. */
+/* Whether the shown frame is as promised for still light. */
 abstract_verdict abstract_loop_judge(const abstract_loop *loop);
 
 /* A line of the last frame. */
 void abstract_loop_print(const abstract_loop *loop);
 
-/* A number for the state: equal states have equal ones. Numbers of ordinary size count to 1/64, relatively where they
- * are below 1. */
+/* A hash of the state: equal states have equal hashes. Numbers of ordinary size are rounded to 1/64, relatively where
+ * they are below 1. */
 uint64_t abstract_loop_hash(const abstract_loop *loop);
 
 #endif

@@ -1,5 +1,5 @@
-/* log2, exp2 and the sine of sums, products and quotients alone, which are the same to the last bit everywhere: those
- * of the C library are not. Good to 1e-14, for sensible numbers. */
+/* log2, exp2 and sine by sums, products and quotients alone, so that they are the same to the last bit everywhere: the
+ * C library's are not. Good to 1e-14, for sensible numbers. */
 #ifndef PUPIL_TESTS_EXACT_NUMBERS_H
 #define PUPIL_TESTS_EXACT_NUMBERS_H
 
@@ -30,7 +30,7 @@ static inline double exact_exp2(double x)
     return ldexp(sum, (int)whole);
 }
 
-/* Of a full turn where x is 1. */
+/* The sine of x full turns. */
 static inline double exact_sine(double x)
 {
     const double y = 6.283185307179586 * (x - floor(x + 0.5));

@@ -1,4 +1,4 @@
-/* Lines of a test that are compared with those of a file of this folder, or with --write replace them. */
+/* A test's lines, compared with a file of this folder; with --write they replace it. */
 #ifndef PUPIL_TESTS_EXPECTED_LINES_H
 #define PUPIL_TESTS_EXPECTED_LINES_H
 

@@ -33,7 +33,7 @@ double hostile_normal(hostile_camera *camera)
     }
 }
 
-/* The value that the share p of a normal distribution is below, by bisection. */
+/* The value below which the share p of a normal distribution is, by bisection. */
 static double normal_quantile(double p)
 {
     double low = -9.0, high = 9.0;
@@ -114,12 +114,12 @@ void hostile_camera_write(hostile_camera *camera, double exposure_s, double gain
 
 double hostile_camera_highlight_ev(const hostile_camera *camera)
 {
-    /* sensor.h: highlight_share 0.05 at most, a fifth of a stop below the value that is full */
+    /* sensor.h: highlight_share 0.05 at most, a fifth of a stop below the saturated value */
     const double held = log2(camera->saturation) - 0.2 - SPREAD_EV * normal_quantile(0.95);
     return fmin(0.0, held - log2(KEY));
 }
 
-/* The exposure time and gain that the registers ask for, as the sensor really has them. */
+/* What the registers ask for, and the exposure time and gain that the sensor really has. */
 static void control_camera(hostile_camera *camera, double registers[2])
 {
     const double *written = camera->written[(camera->frame + HOSTILE_HISTORY - camera->delay) % HOSTILE_HISTORY];
@@ -156,7 +156,7 @@ static void light_rows(hostile_camera *camera)
     camera->bands_ev = log2(most / least);
 }
 
-/* A pixel of so much light, 1 being full, with the noise of its electrons. */
+/* A pixel of this light, where 1 is saturated, with the noise of its electrons. */
 static double noisy(hostile_camera *camera, double light)
 {
     const double electrons = light / camera->gain * camera->well_e;

@@ -3,7 +3,8 @@
 
 #include "hostile_rows.h"
 
-/* a: a full pixel's value, of the top code; b: the light, from the start or from rest at 0. The worse of both. */
+/* a: a saturated pixel's value, as a share of the top code; b: the light, from the start or from rest at 0. Returns the
+ * worse of both. */
 static double saturation_codes(const hostile_row *row, uint32_t bits, double noise)
 {
     double worst = 0.0;
@@ -36,7 +37,7 @@ double hostile_saturation_noise(const hostile_row *row)
     return saturation_codes(row, 12, 1.0 - row->a);
 }
 
-/* Noise alone for 10 s, after light of a; then light of b and of more. The worst of several delays. */
+/* Noise alone for 10 s, after light of a; then light of b and of more. Returns the worst of several delays. */
 static double lens_cap_of(const hostile_row *row, double well_e, double read_e, uint32_t bits)
 {
     static const double more_ev[] = {0.0, 1.4, 2.0};
@@ -70,7 +71,7 @@ double hostile_lens_cap_later(const hostile_row *row)
     return lens_cap_of(row, 3000.0, 8.0, 12);
 }
 
-/* Frames that are wrong after street lamps end, in still light of b; a: delay. */
+/* Wrong frames after street lamps end, in still light of b; a: delay. */
 double hostile_street_lamps(const hostile_row *row)
 {
     int most = 0;
@@ -134,7 +135,7 @@ double hostile_part_of_picture(const hostile_row *row)
     return most;
 }
 
-/* From still light on at a EV a second, over 6 stops or b seconds, whichever is less. */
+/* A ramp of a EV a second from still light, over 6 stops or b seconds, whichever is less. */
 static void ramp(const hostile_row *row, double *jump_ev, double *mean_ev)
 {
     const double seconds = fmin(row->b, 6.0 / fabs(row->a)), from = -0.5 * row->a * seconds;
@@ -150,7 +151,7 @@ static void ramp(const hostile_row *row, double *jump_ev, double *mean_ev)
         hostile.camera.light_ev = from + row->a * (i + 1) / 30.0;
         hostile_frame();
         sum += fabs(hostile.shown_ev);
-        if (i >= skipped) /* the first frames of a fast ramp are as far apart as the light is */
+        if (i >= skipped) /* the first frames of a fast ramp differ as much as the light does */
             *jump_ev = fmax(*jump_ev, fabs(hostile.shown_ev - before));
     }
     *mean_ev = sum / count;
@@ -205,7 +206,7 @@ double hostile_bands(const hostile_row *row)
     return most;
 }
 
-/* b: the gain goes on from where it did nothing, or jumps there. */
+/* b: whether the gain continues from where it did nothing, or jumps there. */
 static void dead_gain(const hostile_row *row, double *swing_ev, double *wrong)
 {
     double low = 99.0, high = -99.0;

@@ -5,7 +5,7 @@
 
 hostile_loop hostile;
 
-/* Not a check each: a million of them would say no more. */
+/* Not one check for each call: a million checks would show no more. */
 static void must(int is_fine, const char *what)
 {
     if (is_fine)

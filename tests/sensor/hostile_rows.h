@@ -9,13 +9,13 @@ typedef struct hostile_row hostile_row;
 struct hostile_row {
     const char *name;
     double (*measure)(const hostile_row *row);
-    double a, b; /* what they are, the measure says */
+    double a, b; /* their meaning depends on `measure` */
     int info_missing;
     double limit;
     const char *unit, *before, *rpi, *libipa; /* the figures of 2026-11: this loop's, real code's; "": not measured */
 };
 
-/* The loop, as its last frame left it. */
+/* The loop after its last frame. */
 typedef struct hostile_loop {
     hostile_camera camera;
     pupil_sensor sensor;
@@ -24,18 +24,18 @@ typedef struct hostile_loop {
     double sensor_ev;    /* of the last frame: stops above the key */
     double shown_ev;     /* ... with the digital factor */
     double seen_gain_ev; /* log2 of what the controls and the digital factor did to its light */
-    double converged_ev; /* the worst shown_ev of a frame that was called converged, in this row */
-    int is_judged;       /* ... where somebody could know better */
+    double converged_ev; /* the worst shown_ev of a converged frame in this row */
+    int is_judged;       /* ... where the loop could know better */
 } hostile_loop;
 
 extern hostile_loop hostile;
 
-/* Frames of still light before something happens; those after which the level has to be right, at 4 frames of delay as
- * configured (60, or 12 * delay_frames where that is more); those that are then looked at. */
+/* Frames of still light before an event; frames after which the level has to be right, with a configured delay of 4
+ * frames (60, or 12 * delay_frames where that is more); frames that are checked then. */
 enum { REST = 90, PROMISED = 60, WATCHED = 240 };
 
 void hostile_prepare(const hostile_row *row, uint64_t seed);
-void hostile_begin(double start_ev); /* with a first setting so many stops too bright; 0: pupil_sensor_init's */
+void hostile_begin(double start_ev); /* with a first setting this many stops too bright; 0: pupil_sensor_init's */
 void hostile_frame(void);
 void hostile_frames(int count);
 

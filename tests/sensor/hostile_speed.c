@@ -3,14 +3,14 @@
 
 #include "hostile_rows.h"
 
-/* The middle of what the camera can, so that no step meets a limit. */
+/* The middle of the camera's range, so that no step meets a limit. */
 static double middle_light_ev(void)
 {
     const double longest_s = hostile.config.exposure_max_s * hostile.config.gain_max;
     return log2(HOSTILE_REST_S) - 0.5 * (log2(HOSTILE_LINE_S) + log2(longest_s));
 }
 
-/* Frames that are wrong, from the first one that has the new light. */
+/* Frames until the last wrong one, from the first one with the new light. */
 static int settle(void)
 {
     int wrong = 0;
@@ -49,7 +49,7 @@ double hostile_start(const hostile_row *row)
     return wrong;
 }
 
-/* How far the total wanders in 300 frames; a: noise of the light from frame to frame. The mean of 8 seeds. */
+/* How far the total wanders in 300 frames, as the mean of 8 seeds; a: noise of the light from frame to frame. */
 double hostile_rest(const hostile_row *row)
 {
     double sum = 0.0;
@@ -70,8 +70,8 @@ double hostile_rest(const hostile_row *row)
     return sum / 8.0;
 }
 
-/* The share a of the picture has b stops more for half a second of each: RMS of the change, from frame to frame, of
- * what is done to the light. */
+/* The share a of the picture has b stops more in every other half second: RMS of the frame-to-frame change of the total
+ * gain. */
 double hostile_blink(const hostile_row *row)
 {
     double sum = 0.0;
@@ -88,7 +88,7 @@ double hostile_blink(const hostile_row *row)
     return sqrt(sum / 600.0);
 }
 
-/* All light swings by a stops at b Hz: RMS of the change, from frame to frame, of what is shown. */
+/* All light swings by a stops at b Hz: RMS of the frame-to-frame change of the shown level. */
 double hostile_beat(const hostile_row *row)
 {
     const double turn = 2.0 * 3.14159265358979323846 * row->b / 30.0;
@@ -106,7 +106,7 @@ double hostile_beat(const hostile_row *row)
     return sqrt(sum / 600.0);
 }
 
-/* How far the total goes from end to end; flashes of a frames and b stops each two seconds. */
+/* The total's range, with flashes of a frames and b stops every two seconds. */
 double hostile_strobe(const hostile_row *row)
 {
     double low = 99.0, high = -99.0;

@@ -27,7 +27,7 @@ static double uniform(scripted_loop *l)
     return (double)(l->random * UINT64_C(0x2545f4914f6cdd1d) >> 11) * 0x1p-53;
 }
 
-/* So many of all, at random; no number is drawn where it is none. */
+/* True for this share of the calls, at random; a share of 0 draws no number. */
 static int is_one_of(scripted_loop *l, double share)
 {
     return share > 0.0 && uniform(l) < share;
@@ -81,7 +81,7 @@ pupil_sensor_config scripted_config(const scripted_camera *c)
     return config;
 }
 
-/* What the camera makes of what it was asked for. */
+/* The exposure and gain that the camera makes of those asked for. */
 static void make(const scripted_loop *l, int frame, double made[2])
 {
     const scripted_camera *c = l->camera;
@@ -175,7 +175,7 @@ static double read_frame(scripted_loop *l, uint16_t *pixels, const double made[2
     return ev;
 }
 
-/* The prime is that of FNV-1a (Fowler, Noll, Vo); the shift brings what is high in a number into all others. */
+/* The prime is that of FNV-1a (Fowler, Noll, Vo); the shift spreads the high bits to all others. */
 static uint64_t digest(uint64_t before, uint64_t number)
 {
     const uint64_t mixed = (before ^ number) * UINT64_C(0x100000001b3);
@@ -224,7 +224,7 @@ static void announce(scripted_loop *l, const event *e)
     take_setting(l);
 }
 
-/* What happens to the light. Whether it is that. */
+/* Applies an event of the light. Returns whether it is one. */
 static int lights(scripted_loop *l, const event *e)
 {
     switch (e->kind) {
@@ -278,7 +278,7 @@ static void happen(scripted_loop *l, const event *e)
     take_setting(l);
 }
 
-/* To the loop, as the camera gives it. */
+/* Gives the frame to the loop in the camera's form. */
 static void deliver(scripted_loop *l, const uint16_t *pixels, const pupil_frame_info *info)
 {
     static pupil_stats stats;

@@ -25,15 +25,15 @@ typedef struct scripted_camera {
     telling told;
     exposures exposures;
     gains gains;
-    double slope;                   /* of the picture's log2 over the light's; 0: 1 */
-    double jump_gain, jump;         /* from this gain on it does so many times more */
-    double weak[2];                 /* stops for one of the control; 0: 1; -1: none */
+    double slope;                   /* slope of the picture's log2 over the light's; 0: 1 */
+    double jump_gain, jump;         /* from this gain on the gain has this many times the effect */
+    double weak[2];                 /* stops of light for one stop of the control; 0: 1; -1: none */
     double knee;                    /* values above it rise 16 times more slowly; 0: 1 */
-    double black, white;            /* added to all values; where they are full, 0: 1 */
+    double black, white;            /* added to all values; value of saturation, 0: 1 */
     double lamp;                    /* this share of the scene is five stops brighter */
     int own_auto_from, own_auto_to; /* frames in which the camera decides itself */
     double fps;                     /* 0: 30 */
-    double lamp_hz;                 /* all light beats by 0.08 EV; 0: it does not */
+    double lamp_hz;                 /* all light flickers by 0.08 EV; 0: no flicker */
     int has_no_clock;               /* info is NULL */
     clocks clock;
     int loses; /* one frame in so many */
@@ -51,19 +51,19 @@ typedef struct scripted_camera {
 } scripted_camera;
 
 typedef enum event_kind {
-    LIGHT = 1, /* is so many EV from the frame on */
-    RAMP,      /* so many EV more in each frame */
-    FLASH,     /* so many EV more in two frames */
+    LIGHT = 1, /* has this many EV from the frame on */
+    RAMP,      /* rises by this many EV in each frame */
+    FLASH,     /* this many EV more for two frames */
     COVERED,   /* black for so many frames */
     HALF_DARK, /* this share of the scene is black from the frame on */
-    ANNOUNCED, /* light by so many EV, three frames before it comes */
-    FILTER,    /* the same, of a filter; which never comes where it is negative */
+    ANNOUNCED, /* a change of light by this many EV, three frames before it comes */
+    FILTER,    /* the same for a filter; where it is negative, it never comes */
     EXPOSURE_MODE,
     GAIN_MODE,
     BOTH_MODES,
     LOCK,
     GAIN_MAX,
-    FRAME_PERIOD, /* 1 / 30 s times so much */
+    FRAME_PERIOD, /* 1 / 30 s times this value */
     COMPENSATION,
     BELIEVED, /* delay_frames */
     START,    /* with this total */
@@ -98,8 +98,8 @@ typedef struct scripted_loop {
     int frame;
     uint64_t random;
     int errors; /* calls that were refused */
-    /* of all frames so far: those over 0.25 EV off; settings that were asked for; sums of how far the setting, what is
-     * shown and scene_ev are off; limits; changes of day and night; and a number for every field of every setting */
+    /* of all frames so far: number over 0.25 EV off; settings asked for; summed errors of the setting, the shown level
+     * and scene_ev; limits; changes of day and night; and a digest of every field of every setting */
     int off, settings;
     double sensor_ev, shown_ev, scene_off_ev, scene_ev;
     uint32_t limits, day_night;
@@ -108,12 +108,12 @@ typedef struct scripted_loop {
 } scripted_loop;
 
 pupil_sensor_config scripted_config(const scripted_camera *camera);
-/* Both stay the caller's until the last frame. */
+/* The caller keeps camera and light until the last frame. */
 void scripted_open(scripted_loop *loop, const scripted_camera *camera, const pupil_sensor_config *config,
                    const script *light);
 /* The events of the next frame, and the frame. */
 void scripted_frame(scripted_loop *loop);
-/* A number for every field of a setting, and for what came before. */
+/* A digest of every field of a setting, continued from `before`. */
 uint64_t scripted_digest(uint64_t before, const pupil_sensor_setting *setting);
 
 #endif

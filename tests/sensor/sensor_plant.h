@@ -17,19 +17,19 @@ enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 16, PLANT_PIXELS = PLANT_WIDTH * PLANT_H
 enum { PLANT_TRUTH, PLANT_ASKED /* what was asked for last */, PLANT_NOTHING, PLANT_FIRST /* what was at first */ };
 
 typedef struct plant {
-    double light_ev;   /* log-average of the scene: value of a frame of 1 s and gain 1 */
-    double noise_ev;   /* of the light as it is metered, standard deviation */
-    uint32_t delay[2]; /* frames from the one that was measured to the first that shows the reaction: exposure, gain */
-    int lies;          /* a plant_info */
-    double slope;      /* of the picture's log2 against the light's; 1: linear */
-    int shoulder;      /* the picture is bent, too, into white */
-    int ignored[2];    /* what is asked of the control is not done */
-    int off_by_one;    /* exposures are so many lines longer than asked for, at least one line */
-    double shortens;   /* exposures are shorter by so much of the gain's stops */
-    double moving;     /* exposures are so many times as long where the gain is 2 or more; 0: not */
-    double wrap;       /* gains from here on begin at 1 again; 0: not */
-    double jitter;     /* share of what is asked for that comes a frame later */
-    uint8_t late[PLANT_RING]; /* that of frame i % PLANT_RING does */
+    double light_ev;          /* log-average of the scene: value of a frame of 1 s and gain 1 */
+    double noise_ev;          /* standard deviation of the metered light */
+    uint32_t delay[2];        /* frames from the measured one to the first that shows the reaction: exposure, gain */
+    int lies;                 /* a plant_info */
+    double slope;             /* slope of the picture's log2 against the light's; 1: linear */
+    int shoulder;             /* the picture's curve has a shoulder, too, up to white */
+    int ignored[2];           /* the control ignores what is asked for */
+    int off_by_one;           /* exposures are this many lines longer than asked for, at least one line */
+    double shortens;          /* exposures are shorter by this share of the gain's stops */
+    double moving;            /* exposures are this many times as long where the gain is 2 or more; 0: off */
+    double wrap;              /* gains from here on begin at 1 again; 0: off */
+    double jitter;            /* share of the settings that come a frame later */
+    uint8_t late[PLANT_RING]; /* whether the setting of frame i % PLANT_RING does */
     int pixels;               /* of the scene, whole rows */
     double drops;             /* share of the frames that are lost on their way */
     double frame_s;
@@ -48,13 +48,13 @@ static inline double plant_normal(void)
     return sqrt(-2.0 * log(u)) * cos(2.0 * 3.14159265358979323846 * v);
 }
 
-/* x that a share p of a normal distribution lies below, by Newton's method. */
+/* x below which a share p of a normal distribution is, by Newton's method. */
 static inline double plant_quantile(double p)
 {
     double x = 0.0;
     for (int i = 0; i < 50; i++) {
         const double off = (0.5 * erfc(-x / sqrt(2.0)) - p) / (exp(-0.5 * x * x) / sqrt(2.0 * 3.14159265358979323846));
-        x -= fmax(-0.5, fmin(0.5, off)); /* far out, where the density is small, it would jump away */
+        x -= fmax(-0.5, fmin(0.5, off)); /* in the tails, where the density is small, a step would diverge */
     }
     return x;
 }
@@ -86,14 +86,14 @@ static inline void plant_open(plant *p, const pupil_sensor *sensor, double light
     CHECK(pupil_init(&p->meter, &config) == PUPIL_OK);
 }
 
-/* What the camera's registers say of the frame that comes next. */
+/* The value of the camera's register for the next frame. */
 static inline double plant_register(const plant *p, int control)
 {
     const uint64_t newest = p->frame + PLANT_RING - p->delay[control];
     return p->asked[(newest - (p->late[newest % PLANT_RING] != 0)) % PLANT_RING][control];
 }
 
-/* What is in force in it. */
+/* The value in force in the next frame. */
 static inline double plant_in_force(const plant *p, int control)
 {
     double gain = p->ignored[1] ? p->at_first[1] : plant_register(p, 1);
@@ -154,7 +154,7 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
     return info;
 }
 
-/* After the frame has been measured: what the controller wants is asked of the camera. */
+/* After the frame has been measured: asks the camera for the controller's setting. */
 static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 {
     p->asked[p->frame % PLANT_RING][0] = s->exposure_s;
@@ -163,8 +163,8 @@ static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
     p->frame++;
 }
 
-/* A whole turn. Returns how many stops the frame was too bright, as the sensor took it; *shown: as it is shown, with
- * the digital factor. */
+/* One frame of the loop. Returns how many stops too bright the sensor took it; *shown: the same with the digital
+ * factor. */
 static inline double plant_turn(plant *p, pupil_sensor *sensor, pupil_sensor_setting *s, double *shown)
 {
     static pupil_stats stats;

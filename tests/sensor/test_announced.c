@@ -1,5 +1,5 @@
-/* A change of light that is announced: how soon the sensor is right with it and without, that nothing is learned from
- * frames in which light and controls move at once, and what becomes of a change that is announced wrongly. */
+/* A change of light that is announced: how soon the sensor is right with and without the announcement, that nothing is
+ * learned from frames in which light and controls move at once, and what happens after a wrong announcement. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -7,13 +7,13 @@ static pupil_sensor sensor;
 static pupil_sensor_setting s;
 
 typedef struct answer {
-    int frames;       /* from the light's first frame to the first that the sensor is right in for good */
+    int frames;       /* from the light's first frame to the one from which the sensor stays right */
     double overshoot; /* stops beyond, from the change on */
-    double shown;     /* the most that what is shown is off once the sensor is right */
+    double shown;     /* largest error of the shown level once the sensor is right */
     int settings;     /* asked for */
 } answer;
 
-/* After the frame that came last. */
+/* Announces after the last frame. */
 static void announce(double ev, uint32_t within, uint32_t change)
 {
     CHECK(pupil_sensor_announce(&sensor, ev, within, change) == PUPIL_OK);
@@ -102,8 +102,8 @@ static void check_settling(void)
         }
 }
 
-/* The setting comes before the light, which comes within the frames that were said: one step alone, and what is shown
- * stays within what the digital factor can. */
+/* The setting comes before the light, which comes within the announced frames: a single step, and the digital factor
+ * makes up for it. */
 static void check_waiting(void)
 {
     for (int known = 0; known < 2; known++)
@@ -119,7 +119,8 @@ static void check_waiting(void)
             }
 }
 
-/* What does not come is taken back; what comes otherwise is corrected; neither is taken for the camera's. */
+/* A change that does not come is taken back, and one that comes otherwise is corrected; neither is attributed to the
+ * camera. */
 static void check_wrong(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -166,7 +167,7 @@ static void check_pairs(void)
     CHECK(s.state == PUPIL_SENSOR_CONVERGED && fabs(log2(s.total_s) - before + 3.0) < 0.06);
 }
 
-/* Where the camera is at its limit, what is missing counts, too; a lock is one; and what is refused. */
+/* At the camera's limit the missing stops count, too; a lock is a limit; and refused announcements. */
 static void check_limits(void)
 {
     pupil_sensor_config c = plant_config(LAW_FINE);

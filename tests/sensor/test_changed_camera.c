@@ -1,4 +1,5 @@
-/* What was found of a camera is no longer so: the code at which it is full, and the light that its black level adds. */
+/* A camera changes after its properties were found: the code at which it saturates, and the light that its black level
+ * adds. */
 #include <math.h>
 
 #include "check.h"
@@ -12,7 +13,7 @@ static void step_to(double light_ev)
     hostile_frames(REST);
 }
 
-/* Full at 0.6, as some modes of a sensor are, and then at 1: the highlights have more room, and it is used. */
+/* Saturated at 0.6, as in some modes of a sensor, and then at 1: the highlights have more room, and it is used. */
 static void test_white_moves_up(void)
 {
     hostile_prepare(&row, 1);
@@ -25,7 +26,7 @@ static void test_white_moves_up(void)
     CHECK_MSG(hostile_wrong_ev() < 0.25, "full at 1: %g EV", hostile_wrong_ev());
 }
 
-/* 6 % are added to all pixels, until the camera is set right: the first step of the light shows that. */
+/* 6 % are added to all pixels until the camera is corrected: the first step of the light shows the correction. */
 static void test_black_goes(void)
 {
     hostile_prepare(&row, 1);

@@ -1,5 +1,5 @@
-/* Cameras with controls in steps of up to a stop, down, up or to the nearest, that say nothing of it or the wrong:
- * searches that change the control that moves, and such with one control held. */
+/* Cameras with controls in steps of up to a stop, down, up or to the nearest, with no metadata of this or wrong ones:
+ * searches that switch to the other control, and searches with one control held. */
 #include "sensor_plant.h"
 
 enum { NONE_IS_HELD, GAIN_IS_HELD, EXPOSURE_IS_HELD };
@@ -41,7 +41,7 @@ static void any_camera(int which_is_held)
     p.moving = check_random() % 5 == 0 ? 0.4 + check_uniform() : 0.0;
 }
 
-/* What is held stays as it is, and the others' setting is asked for in few frames of a light. */
+/* A held control stays as it is, and the other one is written in few frames of each light. */
 static void check_camera(uint64_t seed, int which_is_held)
 {
     check_state.random = seed;
@@ -67,8 +67,8 @@ static void check_camera(uint64_t seed, int which_is_held)
     }
 }
 
-/* Gains in whole steps, and a longest exposure that is a line short of half a period of the mains: from bright to dark
- * it is never asked for more. */
+/* Gains in whole steps, and a longest exposure that is a line short of half a period of the mains: from bright to dark,
+ * no longer exposure is ever asked for. */
 static void check_just_below_mains(void)
 {
     pupil_sensor_config c = plant_config(LAW_SIXTEENTH);
@@ -86,9 +86,9 @@ static void check_just_below_mains(void)
     }
 }
 
-/* Of some hundred cameras those in which the search goes a way that it seldom goes: the control that moves has changed
- * as often as it may, between steps and where there are none; a gain is held while the mains are looked for; what the
- * metadata say of an exposure that is held is no longer believed. */
+/* Of some hundred cameras those that take rare paths of the search: the moving control has changed as often as allowed,
+ * with steps and without; a gain is held during the search for the mains; the metadata of a held exposure are no longer
+ * believed. */
 int main(int argc, char **argv)
 {
     static const uint64_t changing[] = {12, 37, 57, 81, 176}, gain[] = {4, 5}, exposure[] = {10, 62, 68};

@@ -162,7 +162,7 @@ static void check_key(void)
     }
 }
 
-/* The setting for a total; what always holds of it. */
+/* Computes the setting for a total and checks what must always hold. */
 static void split(const pupil_sensor_config *c, double total_s)
 {
     CHECK(pupil_sensor_init(&sensor, c) == PUPIL_OK && pupil_sensor_start(&sensor, total_s, 1) == PUPIL_OK);
@@ -171,7 +171,7 @@ static void split(const pupil_sensor_config *c, double total_s)
 }
 
 /* Both controls are rounded down. Where gains are further apart than 0.2 EV, as thirds of a stop are, the nearest one
- * is taken, so that the digital factor never has more than half of such a step to make up for. */
+ * is taken, so that the digital factor never makes up for more than half a step. */
 static void check_rounding(int law)
 {
     if (law != LAW_THIRD)
@@ -180,7 +180,7 @@ static void check_rounding(int law)
         CHECK_MSG(fabs(log2(s.digital)) <= 0.2, "%s, %g s: digital %g", law_name[law], s.total_s, s.digital);
 }
 
-/* Steps that a double cannot tell apart are none. */
+/* Steps too fine for a double count as no steps. */
 static void check_fine_lines(void)
 {
     static const double step_s[] = {5e-324, 1e-300, 1e-18, 0};
@@ -225,18 +225,18 @@ static void check_split(void)
                   : law == LAW_DB        ? fabs(db - floor(db + 0.5)) < 1e-6
                   : law == LAW_SIXTEENTH ? is_multiple(s.gain, 1 / 16.0)
                                          : is_multiple(3 * log2(s.gain), 1) || s.gain == 1);
-            /* the longest exposure first; a gain that was rounded up takes its step back from it */
+            /* the longest exposure first, reduced by a step where the gain was rounded up */
             const double nearly_s = (c.frame_s - PLANT_LINE_S) / (law == LAW_THIRD ? largest : 1) - PLANT_LINE_S;
             if (law !=
                 LAW_FINE) /* 0.3 dB are less than a line of 29: there, and with finer laws, gain makes up for lines */
                 CHECK(s.gain < 1.001 || s.exposure_s > nearly_s || s.exposure_s < 30 * PLANT_LINE_S);
-            /* a gain rounded down may cost what a line brought; one rounded up or down, half a step */
+            /* rounding the gain down may cost what a line added; rounding it either way, half a step */
             last = (law == LAW_THIRD ? 1 / sqrt(largest) : 0.98) * s.exposure_s * s.gain;
         }
     }
 }
 
-/* A profile as cameras have them, and mains periods. */
+/* A typical camera profile, and mains periods. */
 static void check_profile(void)
 {
     pupil_sensor_config c;
@@ -272,8 +272,8 @@ static void check_profile(void)
         }
 }
 
-/* While the mains are not known, exposures are as for 50 Hz; but at the dark end, where no gain is left, all of the
- * frame's period is used. */
+/* While the mains frequency is not known, exposures are as for 50 Hz. But at the dark end, at full gain, the whole
+ * frame period is used. */
 static void check_unknown_mains(void)
 {
     pupil_sensor_config c;
@@ -292,7 +292,7 @@ static void check_unknown_mains(void)
     CHECK(at_the_end > 20 && fabs(s.exposure_s / c.frame_s - 1) < 1e-9);
 }
 
-/* Lines that are longer than the shortest exposure, or than the longest: never none, and never a number that is none.
+/* Lines longer than the shortest exposure, or than the longest: the exposure is never 0, and all numbers are finite.
  */
 static void check_long_lines(void)
 {
@@ -335,7 +335,7 @@ static void check_by_hand(void)
         CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
         CHECK_MSG(fabs(s.exposure_s - wanted_s[i]) < 1e-9, "mains %u, held: %g s", mains[i], s.exposure_s);
     }
-    /* almost half a period, of which a line is missing: the lines there are */
+    /* one line short of half a period: whole lines */
     c.mains_hz = 50;
     c.exposure_mode = PUPIL_SENSOR_MANUAL;
     c.exposure_step_s = 0.001;
@@ -344,7 +344,7 @@ static void check_by_hand(void)
     CHECK_MSG(fabs(s.exposure_s - 0.009) < 1e-9, "%g s", s.exposure_s);
 }
 
-/* Exposures of a table and nothing else, whatever the light; the gain does the rest. */
+/* Only exposures of the table, in any light; the gain does the rest. */
 static void check_exposure_table(void)
 {
     pupil_sensor_config c;

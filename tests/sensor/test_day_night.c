@@ -1,5 +1,5 @@
-/* Day and night: once each through dusk and dawn, however the light trembles; and an infrared-cut filter that is
- * switched by it does not switch it back. */
+/* Day and night: each changes once through dusk and dawn, however the light fluctuates; and an infrared-cut filter that
+ * they switch does not switch them back. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -47,8 +47,8 @@ static int stay(double seconds)
     return changes;
 }
 
-/* A dusk and a dawn of 6 stops with a cloud of half a stop each three seconds and noise: one change each. `filter`: it
- * is switched at once by what is said, and lets so much more through. */
+/* A dusk and a dawn of 6 stops with a cloud of half a stop every three seconds and noise: one change each. `filter`: a
+ * filter is switched at once as reported, and lets this much more light through. */
 static void day_and_night(double filter_ev, double frame_s)
 {
     begin(6.0, frame_s);
@@ -78,7 +78,7 @@ static void day_and_night(double filter_ev, double frame_s)
     }
 }
 
-/* Seconds from before it was turned off do not count when it is on again. */
+/* Seconds counted before it was turned off do not count when it is on again. */
 static void check_off(void)
 {
     pupil_sensor_config c = plant_config(LAW_FINE);
@@ -94,7 +94,7 @@ static void check_off(void)
     CHECK(stay(0.6) == 1 && was == PUPIL_SENSOR_DAY);
 }
 
-/* Between the two nothing changes; what is short does not count; a lock does not matter. */
+/* Between the two thresholds nothing changes; short changes do not count; a lock does not matter. */
 static void check_hysteresis(void)
 {
     begin(6.0, 1.0 / 30.0);

@@ -1,5 +1,5 @@
-/* The delays of the two controls, found from the frames where info tells what was asked for: whatever is believed, the
- * loop does not hunt, and no other delay than the true one is ever named. Prints a table. */
+/* The delays of the two controls, found from the frames where info reports what was asked for: whatever delay is
+ * configured, the loop does not hunt, and only the true delay is ever named. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -16,8 +16,8 @@ static void begin(int law, uint32_t believed, uint32_t exposure, uint32_t gain, 
     p.noise_ev = 0.02;
 }
 
-/* A scene as it is before a camera that somebody carries: it wanders by some hundredths of a stop a frame, and once a
- * second it changes by up to two stops. */
+/* The scene of a carried camera: it wanders by some hundredths of a stop a frame, and once a second it changes by up to
+ * two stops. */
 static void wander(int frame)
 {
     p.light_ev += 0.03 * plant_normal();
@@ -26,7 +26,7 @@ static void wander(int frame)
     p.light_ev = fmax(-3.0, fmin(8.0, p.light_ev));
 }
 
-/* The largest way from one end to the other of the shown level at rest. */
+/* The range of the shown level at rest. */
 static double hunting(int frames)
 {
     pupil_sensor_setting s;
@@ -67,9 +67,9 @@ static void check_pairs(void)
                 CHECK(!s.gain_delay || s.gain_delay == real);
                 latest = found > latest ? found : latest;
                 p.noise_ev = 0;
-                hunting(200); /* what the slow filter still makes good is no cycle; one takes twice the delay or so */
+                hunting(200); /* lets the slow filter finish; a cycle of hunting takes about twice the delay */
                 worst = fmax(worst, hunting(100));
-                /* and from the first frame on, before anything is known: at rest once it is there */
+                /* and from a start, before anything is known: the loop must come to rest */
                 begin(round % LAWS, believed, real, real, 1);
                 p.light_ev -= 3;
                 p.noise_ev = 0;
@@ -83,10 +83,10 @@ static void check_pairs(void)
                       before);
         }
     printf("not known after four changes of the scene: %d of 320\n", unknown);
-    CHECK(unknown <= 3); /* where the changes ask for steps that hardly stand out of its wandering */
+    CHECK(unknown <= 3); /* where the changes need steps that hardly exceed the scene's wandering */
 }
 
-/* Where info tells the truth, whatever is believed, longer delays than that, too: found all the same. */
+/* With true info the delays are found, whatever is believed, even if they are longer than that. */
 static void check_truthful(void)
 {
     int latest = 0, late = 0, unknown = 0;
@@ -113,8 +113,7 @@ static void check_truthful(void)
            late);
 }
 
-/* Delays that become longer than was believed, and metadata that are true: a step is waited for, and the delays are
- * found again. */
+/* Delays become longer than believed, with true metadata: the loop waits for each step, and finds the delays again. */
 static void check_longer(void)
 {
     static const double step_ev[] = {3.0, -4.0, 4.0, -3.0};

@@ -1,5 +1,5 @@
-/* The promise of the sensor's loop, through every sequence of events: whatever happened before, in light that holds
- * still what is shown is right after max(60, 12 x delay_frames) frames, or the limit is named.
+/* The promise of the sensor's loop, through every sequence of events: whatever happened before, in still light the
+ * shown level is right after max(60, 12 x delay_frames) frames, or the limit is named.
  *
  *     test_sensor_exhaustive [--events N] [--segments N] [--every N] [--jobs N] [--shown FAILURES]
  *     test_sensor_exhaustive --again CAMERA TEXT      one sequence, a line for each frame
@@ -14,7 +14,7 @@
  *   segments  all sequences of N segments of 24 frames: each has one of ten levels of light and one of seven faults
  *             (the six that stay, and none).
  *
- * Equal states at the same frame are walked on from once only: abstract_loop_hash has what is equal. After the last
+ * From equal states at the same frame the walk continues only once: abstract_loop_hash defines equality. After the last
  * frame of each sequence the loop is run in still light twice: with all faults gone, and, where some are left that
  * leave the camera monotone (all but its own automatic), with these. Frames of the run that were reached before are not
  * run again, either. */
@@ -33,7 +33,7 @@ enum { EVENTS = sizeof event / sizeof *event };
 static const char *const fault[] = {"", "e", "g", "a", "m", "c", "i"};
 enum { FAULTS = sizeof fault / sizeof *fault };
 
-/* What a process has done; the parent adds up. */
+/* The counts of a process; the parent adds them up. */
 typedef struct tally {
     uint64_t frames, sequences, merged, runs;
     uint64_t of[ABSTRACT_VERDICTS];
@@ -43,7 +43,7 @@ static tally *mine;
 static int camera_number, shown, most_shown;
 static const char *program;
 static char text[LONGEST];
-static uint64_t *seen; /* direct-mapped: a state that falls on another one's place is walked again */
+static uint64_t *seen; /* direct-mapped: a state that was evicted by another one is walked again */
 
 static int is_new(const abstract_loop *loop, uint64_t where)
 {
@@ -97,7 +97,7 @@ static void end_of_sequence(const abstract_loop *loop)
         run(loop, "");
 }
 
-/* On from a state, after `letters` and so many frames; 0 where that is a state that was walked, or wrong. */
+/* Continues from a state with `letters` and this many frames; 0 where the result was walked already, or is wrong. */
 static int go_on(abstract_loop *next, const abstract_loop *loop, const char *letters, int frames, uint64_t where)
 {
     const size_t length = strlen(text), added = strlen(letters);
@@ -147,8 +147,8 @@ static void walk_segments(const abstract_loop *loop, int segments)
         }
 }
 
-/* Two segments of faults after which the loop of 2026-11 stayed wrong, white for ever in some. --segments 2 finds such;
- * it takes longer. */
+/* Pairs of fault segments after which the loop of 2026-11 stayed wrong, in some cases white for ever. --segments 2
+ * finds such pairs, but takes longer. */
 static const struct {
     int camera;
     const char *first, *second, *rest;

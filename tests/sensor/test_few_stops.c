@@ -1,6 +1,6 @@
-/* Cameras with few stops between black and white, fewer than a step that only knows its side: a wall of one brightness,
- * in codes of 8 bits, with a steep tone curve that nobody has announced. Whichever way the light changes, and however
- * far, after the promised frames what is shown is within 0.1 EV of the key. */
+/* Cameras with few stops between black and white, fewer than a step made when only the side is known: a wall of one
+ * brightness, in 8-bit codes, with a steep tone curve that was not configured. However the light changes, after the
+ * promised frames the shown level is within 0.1 EV of the key. */
 #include <math.h>
 
 #include "check.h"
@@ -14,7 +14,8 @@ static pupil_sensor sensor;
 static double asked_s[LATE], asked_gain[LATE];
 static int frame;
 
-/* One frame, of light for which the right exposure is so many stops above 1 ms at gain 1. How far what is shown is off.
+/* One frame, of light for which the right exposure is this many stops above 1 ms at gain 1. Returns the shown level's
+ * error.
  */
 static double turn(double light_ev, double slope)
 {
@@ -69,7 +70,7 @@ int main(int argc, char **argv)
     CHECK(pupil_init(&pupil, &metering) == PUPIL_OK);
     for (double slope = 1.0; slope <= 3.1; slope += 0.25)
         for (double step = -9.0; step <= 9.0; step += CHECK_SANITIZED ? 1.5 : 0.25) {
-            /* back, and then as far as that again: a step that was halved has to grow */
+            /* back, and then as far again: a halved step has to grow */
             const double light[] = {0.0, step, 0.0, step < 0.0 ? 5.0 : -3.0, 1.0};
             const double worst = worst_of(slope, light, sizeof light / sizeof *light);
             CHECK_MSG(worst <= 0.1, "slope %g, steps of %g EV: %g EV off", slope, step, worst);

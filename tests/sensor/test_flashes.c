@@ -1,5 +1,5 @@
-/* Strobes and lightning: light that is there in one frame or two moves nothing; a step of the light that stays is
- * answered two frames later than without. Prints a table. */
+/* Strobes and lightning: light of one or two frames moves nothing; a step of the light that stays is answered two
+ * frames later than without rejection. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -17,7 +17,7 @@ static void begin(uint32_t delay, uint32_t flash_frames, int lies)
         plant_turn(&p, &sensor, &s, NULL);
 }
 
-/* Events of so many frames, every `every` frames: how far the total moves from where it stood. */
+/* Events of this many frames, every `every` frames: how far the total moves from its value at rest. */
 static double moved_by(uint32_t delay, int frames, double ev, int every, int lies)
 {
     pupil_sensor_setting s;
@@ -61,7 +61,7 @@ static void check_strobes(void)
     }
 }
 
-/* When a flash is, beside a step that comes at frame 0: frames, and so many stops above what the light then is. */
+/* When a flash is, relative to a step at frame 0: its frames, and its stops above the light at that time. */
 typedef struct beside {
     const char *what;
     int from, to;
@@ -86,7 +86,7 @@ static int settled(uint32_t delay, uint32_t flash_frames, double ev, const besid
     begin(delay, flash_frames, 0);
     const double light_ev = p.light_ev;
     for (int i = -2; i < 40; i++) {
-        const double lit = light_ev + (i >= 0 ? ev : 0); /* and as if by the flash, where there is one */
+        const double lit = light_ev + (i >= 0 ? ev : 0); /* with the flash, where there is one */
         p.light_ev = lit + (i >= flash->from && i < flash->to ? flash->ev : 0);
         const double off = plant_turn(&p, &sensor, &s, NULL) - (p.light_ev - lit);
         if (i >= 0 && (off > 0.1 || off < -0.16))
@@ -95,15 +95,15 @@ static int settled(uint32_t delay, uint32_t flash_frames, double ev, const besid
     return frames;
 }
 
-/* What the flash shows of the step in a frame that is looked at is a part of it: it is done, and then the rest. */
+/* Whether, with the flash, a frame shows only a part of the step: this part is done first, and then the rest. */
 static int is_in_two(const beside *flash, double ev)
 {
     const double seen = flash->to > 0 ? ev + flash->ev : flash->ev;
     return flash->from < flash->to && flash->to >= 0 && seen * ev > 0 && fabs(seen) < fabs(ev);
 }
 
-/* Two frames later than without rejection, and those in which a flash hides it. Where a flash looks like a part of the
- * step, that is done first: a second step, for which as many frames have to say the same. */
+/* Two frames later than without rejection, plus the frames in which a flash hides the step. Where a flash looks like a
+ * part of the step, that part is done first; the second step needs as many agreeing frames. */
 static void check_steps(void)
 {
     static const double evs[] = {-6, -3, -1, 1, 3};

@@ -1,5 +1,5 @@
-/* What a frame may lack or bring, and the loop is right all the same: no histogram, no metadata, numbers that cannot
- * be, many frames lost at once, and the bands of lamps on the mains. */
+/* The loop is right despite incomplete or odd frames: no histogram, no metadata, impossible numbers, many frames lost
+ * at once, and the bands of lamps on the mains. */
 #include <math.h>
 
 #include "abstract_camera.h"
@@ -115,7 +115,7 @@ static void check_mains(uint32_t is_locked)
     pupil_sensor_config config;
     abstract_camera_config(&config, 4);
     config.mains_hz = PUPIL_SENSOR_MAINS_AUTO;
-    config.frame_s = config.exposure_max_s = 1.0 / 27.0; /* neither lamp stands still in it */
+    config.frame_s = config.exposure_max_s = 1.0 / 27.0; /* the bands of neither lamp are still in it */
     begin(PUPIL_SENSOR_MAINS_AUTO);
     config.lock = is_locked;
     CHECK(pupil_sensor_retune(&sensor, &config) == PUPIL_OK);
@@ -143,7 +143,7 @@ static double total_after(double clipped_share)
     return log2(s.exposure_s * s.gain);
 }
 
-/* From 97 % on nothing is known but that it is far too bright: at once as far down as is safe. */
+/* From 97 % on it is only known that the frame is far too bright: the step is at once as large as is safe. */
 static void check_blind(void)
 {
     CHECK(total_after(0.97) == total_after(1.0));

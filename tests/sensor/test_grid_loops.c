@@ -1,9 +1,9 @@
-/* Bounds that are reached exactly: random cameras and lights on a grid. Levels are multiples of 1/2000 EV, as the
- * constants of the loop are, and light and what a control does move by such constants; the key and the first setting
- * are at 0 EV, so that differences of levels are exact. There are no pictures: statistics are handed in.
+/* Random cameras and lights on a grid, which reach bounds exactly. Levels are multiples of 1/2000 EV, as the loop's
+ * constants are, and light and the controls' effects change by such constants. The key and the first setting are at 0
+ * EV, so that differences of levels are exact. There are no pictures: the test makes the statistics.
  *
- * A digest of every field of every setting for each group of loops, compared with grid_loops.txt. It is for what
- * random_loops.txt is for, and --write puts the lines of today there. */
+ * A digest of every field of every setting for each group of loops, compared with grid_loops.txt. The file has the same
+ * purpose as random_loops.txt, and --write replaces its lines. */
 #include <stdio.h>
 
 #include "exact_numbers.h"
@@ -14,10 +14,10 @@ enum { EV = 2000, IN_GROUP = 8, FRAMES = 40, LINE_BYTES = 60 };
 
 #define PICK(...) ((const double[]){__VA_ARGS__})[below((int)(sizeof(const double[]){__VA_ARGS__} / sizeof(double)))]
 #define WHITE     4.0
-#define WHITE_TOO 0x1.9b8f9e5378996p+2 /* 0.1 EV above the edge of a bin of the histogram, which is at log2 6 */
+#define WHITE_TOO 0x1.9b8f9e5378996p+2 /* 0.1 EV above the edge of a histogram bin at log2 6 */
 
-/* Loops with the seeds 1 to FIRST, and of 48000 those that see < for <= or the like in a line of lib/sensor in which no
- * loop before them sees it. */
+/* Loops with the seeds 1 to FIRST, and those of 48000 that detect a mutation such as < for <= in a line of lib/sensor
+ * where no earlier loop detects it. */
 static const uint16_t chosen[] = {305,   312,   326,   344,   450,   472,   525,   606,   658,   698,   772,   798,
                                   887,   918,   938,   946,   961,   1003,  1060,  1089,  1182,  1202,  1216,  1229,
                                   1247,  1252,  1318,  1348,  1495,  1641,  1904,  2046,  2150,  2153,  3107,  3109,
@@ -29,9 +29,9 @@ enum { FIRST = 300, LOOPS = FIRST + sizeof chosen / sizeof chosen[0] };
 typedef struct grid_camera {
     uint32_t delay[2];
     telling told;
-    double unit[2];   /* the metadata are so many times as large */
+    double unit[2];   /* the metadata are this many times as large */
     double answer[2]; /* stops of the picture for one of the control */
-    double jump_gain; /* from this gain on there are so many more; 0: none */
+    double jump_gain; /* from this gain on the picture has `jump` more; 0: none */
     int jump;
     int rounds;    /* exposures, to powers of two */
     int has_bins;  /* a histogram */
@@ -65,7 +65,7 @@ static int one_in(int n)
     return below(n) == 0;
 }
 
-/* A size that the loop may compare something with, up or down; the first are the most. */
+/* A step up or down, of a size that the loop may compare with. */
 static int step(void)
 {
     const int size =
@@ -109,7 +109,7 @@ static grid_camera random_camera(void)
     return c;
 }
 
-/* After each number one that is a part in 1e9 above it, which is as far as two are the same. */
+/* After each number one that is a part in 1e9 larger: up to there two numbers count as the same. */
 static void double_up(double *table, uint32_t *count)
 {
     *count *= 2;
@@ -229,7 +229,7 @@ static void happen(grid_loop *l)
         l->light = step();
 }
 
-/* The mean's bin, a top of so many pixels above it, and as many below. */
+/* Fills the mean's bin, the bin of the `top` pixels above it, and one with as many below. */
 static void put_bins(const grid_loop *l, pupil_stats *stats, double ev)
 {
     const double whole = floor(ev);
@@ -263,7 +263,7 @@ static pupil_frame_info info_of(const grid_loop *l, const double made[2])
         *(one_in(2) ? &info.exposure_s : &info.gain) = odd;
     if (c->clock == CLOCK_NONE)
         info.timestamp_ns = 0;
-    if (c->clock == CLOCK_GOES_BACK && one_in(8)) /* by no frame, or by two */
+    if (c->clock == CLOCK_GOES_BACK && one_in(8)) /* to the last frame's time, or by two frames more */
         info.timestamp_ns -= (int64_t)(PICK(1.0, 3.0) * c->frame_s * 1e9);
     return info;
 }

@@ -1,16 +1,16 @@
 /* The sensor's loop around a camera that misbehaves, judged by the picture: how far what is shown, and the sensor, are
- * from the key. Each row has the figures that libcamera's real code had in the same place, and this loop in 2026-11.
+ * from the key. Each row has the figures of libcamera's real code in the same place, and of this loop in 2026-11.
  *
  *     test_sensor_hostile [--all] [--table] [--row TEXT]
  *
- * --all checks the rows in which real code was ahead of the loop, too. --table prints what was measured; CONV. is the
- * worst error of what is shown in a frame that was called converged. --row: only rows with this text in their names. */
+ * --all checks the rows in which real code was ahead of the loop, too. --table prints the measurements; CONV. is the
+ * worst error of the shown level in a converged frame. --row: only rows with this text in their names. */
 #include <math.h>
 
 #include "check.h"
 #include "hostile_rows.h"
 
-/* Today's figure and a frame, or a tenth. */
+/* Today's figure plus one frame, or plus a tenth. */
 static const hostile_row ahead[] = {
     {"step of +1 EV", hostile_step, 1, 0, 0, 6, "frames", "5", "12", "12"},
     {"step of -1 EV", hostile_step, -1, 0, 0, 6, "frames", "5", "9", "9"},
@@ -118,7 +118,7 @@ static const hostile_row behind[] = {
     {"... sensor", hostile_powers_of_two_sensor, 0.5, 0.5, 0, 0.1, "EV", "0.81", "", ""},
     {"... -2 to +2 EV, shown", hostile_powers_of_two_shown, -2, 2, 0, 0.05, "EV", "", "", ""},
     {"... sensor", hostile_powers_of_two_sensor, -2, 2, 0, 0.1, "EV", "", "", ""},
-    /* far_ev, and what clipped light and the rounding of the setting make of it */
+    /* far_ev, changed by clipped light and the rounding of the setting */
     {"CONVERGED while this is shown wrong", converged_while_wrong, 0, 0, 0, 0.15, "EV", "", "", ""},
 };
 

@@ -1,5 +1,5 @@
-/* A key that depends on the light of the scene (config.key_at): what it is, and that the loop around it is as soon
- * right and rests as still as with one key, also where the light is clipped, told wrongly, or bent. Prints a table. */
+/* A key that depends on the light of the scene (config.key_at): its value, and that the loop is right as soon and as
+ * still at rest as with one key, also where the light is clipped, reported wrongly, or nonlinear. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -41,7 +41,7 @@ static pupil_sensor_config config_of(const table *t)
     pupil_sensor_config c = plant_config(LAW_FINE);
     c.key_points = t->points;
     memcpy(c.key_at, t->at, sizeof t->at);
-    c.highlight_ev = 0; /* the key alone: one that rises brings highlights of its own */
+    c.highlight_ev = 0; /* the key alone: a rising key causes highlights itself */
     return c;
 }
 
@@ -49,7 +49,7 @@ static pupil_sensor_config config_of(const table *t)
 static double turn(const table *t)
 {
     const double light = p.light_ev + log2(plant_in_force(&p, 0) * plant_in_force(&p, 1));
-    const double grey = log2(0.18) * (1 - 1 / p.slope); /* a bent picture's light is told right at grey */
+    const double grey = log2(0.18) * (1 - 1 / p.slope); /* a nonlinear picture's light is right at grey */
     plant_turn(&p, &sensor, &s, NULL);
     return plant_bent(&p, light) - key_ev(t, p.light_ev + grey);
 }
@@ -61,8 +61,8 @@ typedef struct answer {
 
 enum { WATCHED = 160, RESTS = 100 /* from this frame on, four time constants of the filter after a step */ };
 
-/* Until it stays within 0.1 EV, in the picture's stops; what is rounded down and held is up to 0.06. by_rest: of where
- * it comes to rest, for where much is clipped the mean is below the key. */
+/* Frames until it stays within 0.1 EV, in the picture's stops; rounding down and holding take up to 0.06 more. by_rest:
+ * relative to the level at rest, because the mean is below the key where much is clipped. */
 static answer watch(const table *t, double direction, int by_rest)
 {
     answer a = {0, 0, 0};
@@ -78,7 +78,7 @@ static answer watch(const table *t, double direction, int by_rest)
     for (int i = 0; i < WATCHED; i++) {
         if (off[i] - aim > 0.1 || off[i] - aim < -0.16)
             a.frames = i + 1;
-        if (i >= (int)p.delay[0]) /* a scene that got darker is answered by light, and beyond is too bright */
+        if (i >= (int)p.delay[0]) /* a darker scene needs more exposure, so an overshoot is too bright */
             a.overshoot = fmax(a.overshoot, direction > 0 ? aim - off[i] - 0.06 : off[i] - aim);
     }
     a.rest = high - low;
@@ -99,11 +99,11 @@ static answer step(const table *t, uint32_t delay, double ev, int lies)
     return watch(t, ev, 0);
 }
 
-/* The first setting is so many stops too bright for one key. */
+/* The first setting is this many stops too bright for one key. */
 static answer start(const table *t, uint32_t delay, double ev, int lies)
 {
     const pupil_sensor_config c = config_of(t);
-    const double light_ev = 4.5 + 0.25 * ev; /* so that both ends are within what the camera can */
+    const double light_ev = 4.5 + 0.25 * ev; /* so that both ends are within the camera's range */
     again(7);
     CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
     CHECK(pupil_sensor_start(&sensor, exp2(log2(0.18) - light_ev + ev), 1.0) == PUPIL_OK);
@@ -131,7 +131,7 @@ static void check_level(void)
         }
 }
 
-/* One key and a table of one are the same bits, whatever lies in what is not in use. */
+/* One key and a table of one give the same bits, whatever the unused entries contain. */
 static void check_off(void)
 {
     static double total[2][200];
@@ -212,7 +212,7 @@ static void check_bent(void)
                     p.scene[i] /= slopes[k];
                 for (int n = 0; n < 60; n++)
                     turn(t);
-                for (int i = 0; i < 6; i++) { /* the first three show the slope, on which scene_ev hangs */
+                for (int i = 0; i < 6; i++) { /* the first three show the slope, on which scene_ev depends */
                     static const double ev[] = {1, 2, -3, 3, -1, -2};
                     p.light_ev += ev[i] / slopes[k];
                     const answer a = watch(t, ev[i], 1);
@@ -222,14 +222,14 @@ static void check_bent(void)
                 }
                 printf("slope %g, %s, D %u: %d frames at most, overshoot %.3f, rest %.4f EV\n", slopes[k], t->name,
                        delay, most, overshoot, worst);
-                /* a picture of half the slope takes one step more, and then one for what is left */
+                /* a picture of half the slope takes one step more, and then one for the rest */
                 CHECK_MSG(worst <= 0.1 && overshoot <= 0.15 && most <= 4 * (int)delay + 5,
                           "slope %g, %s, D %u: %d frames, overshoot %g, rest %g EV", slopes[k], t->name, delay, most,
                           overshoot, worst);
             }
 }
 
-/* At rest noise of the metering moves the total less than with one key, for the light that it pretends has a key. */
+/* At rest, metering noise moves the total less than with one key, because the key follows the apparent light. */
 static void check_noise(void)
 {
     double wander[2];

@@ -1,5 +1,5 @@
-/* Cameras that bend light or do not do what they are asked: what the loop makes of each, against a camera that is
- * linear and obeys. Prints a table. */
+/* Cameras that are nonlinear or do not do what they are asked: how the loop handles each, compared with a linear camera
+ * that obeys. Prints a table. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -10,8 +10,8 @@ static const double walk[] = {-2, 3, -1, -3, 2, 1};
 enum { WALK = 6, PAUSE = 30, PROMISED = 60 };
 
 typedef struct answer {
-    int first, later; /* frames until the picture is within 0.15 EV of where it stays: the worst step of the
-                       * first round, of the second */
+    int first, later; /* frames until the picture is within 0.15 EV of its final level: the worst step of the first
+                       * round, of the second */
     double first_over, later_over; /* how far it went beyond */
     double wandered;               /* at rest, of the total */
     uint32_t state, reason;
@@ -22,7 +22,7 @@ static void open_camera(uint32_t delay, uint32_t linear)
 {
     pupil_sensor_config c = plant_config(LAW_FINE);
     c.linear = linear;
-    c.highlight_ev = 0; /* the key alone, so that it is known where the picture belongs */
+    c.highlight_ev = 0; /* the key alone, so that the right level is known */
     CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
     plant_open(&p, &sensor, log2(18) - 1, delay);
     p.lies = PLANT_ASKED;
@@ -42,12 +42,12 @@ static void follow(double ev, int *frames, double *over)
         ev = 0;
     }
     const double rest = off[PAUSE - 1], sign = off[0] > rest ? 1 : -1, key = log2(0.18);
-    /* where a gain does more, the key may lie where no setting reaches: beyond it and where the picture rests */
+    /* where a gain does more, no setting may reach the key: overshoot is beyond both the key and the level at rest */
     const double end = p.moving > 1 ? sign * fmin(sign * rest, sign * key) : rest;
     for (int i = 0; i < PAUSE; i++)
         *over = fmax(*over, sign * (end - off[i]) - 0.05);
     int settled = PAUSE;
-    while (settled > 0 && fabs(off[settled - 1] - rest) <= 0.15) /* 0.1, and what is rounded down */
+    while (settled > 0 && fabs(off[settled - 1] - rest) <= 0.15) /* 0.1, and the rounding down */
         settled--;
     *frames = settled > *frames ? settled : *frames;
 }
@@ -163,8 +163,7 @@ static void jittering(void)
     p.jitter = 0.3;
 }
 
-/* A manual gain, between two of which it is known that the camera does more from some gain there on: no step passes
- * it. */
+/* A manual gain, with a jump of the camera's effect known to be between two gains: no step goes past it. */
 static void held_at_a_jump(uint32_t delay)
 {
     pupil_sensor_setting s;
@@ -186,12 +185,12 @@ static void held_at_a_jump(uint32_t delay)
     CHECK_MSG(frames <= (int)delay + 3 && over <= 0.05, "D %u, gain held: %d frames, %g EV over", delay, frames, over);
 }
 
-/* A control that stands, as info truly says, where the other numbers say that it cannot: the other one makes up for
- * what is in force, as far as it goes, and stays at its end beyond, which is named. */
+/* A control is fixed at a value that its limits do not allow, and info reports that truly: the other control makes up
+ * for it as far as it can. Beyond that it stays at its limit, which is named. */
 static void stands(const char *name, int control, double value, const pupil_sensor_config *c)
 {
     const double least = control ? c->exposure_min_s : c->gain_min, most = control ? 1.0 / 30.0 : c->gain_max;
-    /* of the other control, in stops of its range: within, near both ends, beyond them */
+    /* for the other control, as shares of its range in stops: within, near both ends, beyond them */
     static const double leg[] = {0.5, 0.3, 0.6, 0.03, 0.97, 0.5, -0.15, 0.5, 1.15, 0.4};
     double asked[4][2] = {{0}};
     pupil_sensor_setting s;
@@ -232,8 +231,8 @@ static void stands_outside(void)
     stands("gain between two steps", 1, 2.5, &c);
 }
 
-/* A camera that takes neither control, and is two stops off: it is named for good, and not a limit that the loop comes
- * to on the way. */
+/* A camera that takes neither control, and is two stops off: IGNORED is named for good, and not a limit that the loop
+ * meets on the way. */
 static void takes_nothing(void)
 {
     for (int is_dark = 0; is_dark < 2; is_dark++)
@@ -244,7 +243,7 @@ static void takes_nothing(void)
             pupil_sensor_config_default(&c);
             CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
             plant_open(&p, &sensor, log2(0.18 / 0.01) + (is_dark ? -2.0 : 2.0), 2);
-            p.lies = tells ? PLANT_FIRST : PLANT_NOTHING; /* what it had at first is what it has */
+            p.lies = tells ? PLANT_FIRST : PLANT_NOTHING; /* its first setting remains in force */
             p.ignored[0] = p.ignored[1] = 1;
             for (int i = 0; i < 600; i++) {
                 plant_turn(&p, &sensor, &s, NULL);
@@ -267,8 +266,8 @@ int main(int argc, char **argv)
         for (uint32_t linear = 0; linear < 2; linear++) {
             snprintf(name, sizeof name, "slope %.2f%s", slope, linear ? ", said to be linear" : "");
             const answer a = worst_of(name, linear, slope, NULL);
-            /* a tone curve that was not announced is learned from the step that it sends too far; one as steep as 2 is
-             * looked at three times: this may only fall */
+            /* an unknown tone curve is learned from the step that overshoots because of it; one as steep as 2 needs
+             * three looks: this may only fall */
             const int looks = slope >= 2.0 ? 3 : 2;
             CHECK_MSG(a.later <= looks * straight.later && a.later_over <= (linear ? 0.5 : 0.1) && a.wandered <= 0.02,
                       "%s: %d frames, %g EV over, %g EV at rest", name, a.later, a.later_over, a.wandered);
@@ -276,17 +275,17 @@ int main(int argc, char **argv)
     }
     answer a = worst_of("off by a line", 1, 1.0, off_by_one);
     CHECK(a.later <= 2 * straight.later && a.later_over <= 0.1 && a.wandered <= 0.02);
-    a = worst_of("delay jitters", 1, 1.0, jittering); /* a write that comes late is taken for one that was lost */
+    a = worst_of("delay jitters", 1, 1.0, jittering); /* a late write counts as lost */
     CHECK_MSG(a.later <= PROMISED && a.wandered <= 0.02, "jitter: %d frames, %g EV over", a.later, a.later_over);
     static void (*const off[])(void) = {few_lines, line_more, line_less, shortening, moving_down};
     static const char *const off_name[] = {"few lines", "few lines, one more", "few lines, one less",
                                            "gain's power 0.7", "gain from 2: exposure x 0.7"};
     for (int i = 0; i < 5; i++) {
-        a = worst_of(off_name[i], 1, 1.0, off[i]); /* one step goes wrong by what the camera does more or less */
+        a = worst_of(off_name[i], 1, 1.0, off[i]); /* one step is wrong by the camera's extra effect */
         CHECK_MSG(a.later <= 3 * straight.later && a.later_over <= 0.5 && a.wandered <= 0.02,
                   "%s: %d frames, %g EV over, %g EV at rest", off_name[i], a.later, a.later_over, a.wandered);
     }
-    /* what no slope describes is approached in several steps, from one side, and then stands */
+    /* the loop approaches what no slope describes in several steps, from one side, and then rests */
     static void (*const bent[])(void) = {shoulder, moving_up, wrapping};
     static const char *const bent_name[] = {"shoulder", "gain from 2: exposure x 1.3", "gain wraps at 3"};
     for (int i = 0; i < 3; i++) {

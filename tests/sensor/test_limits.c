@@ -1,4 +1,4 @@
-/* Light that is out of the camera's reach: all that the camera has is asked for, and the limit is named from then on.
+/* Light out of the camera's reach: the loop asks for the extreme setting, and names the limit from then on.
  */
 #include "sensor_plant.h"
 
@@ -14,7 +14,8 @@ static void begin(int law, double slope)
     p.slope = slope;
 }
 
-/* The last step of a picture with a slope does more or less than its number: it is not left to the digital factor. */
+/* With a slope, the last step has more or less effect than its number: it is still made, and not left to the digital
+ * factor. */
 static void check_last_step(int law, double slope)
 {
     pupil_sensor_setting s, dark;
@@ -33,7 +34,7 @@ static void check_last_step(int law, double slope)
               s.gain, c.gain_max, dark.gain, pupil_sensor_state_name(s.state));
 }
 
-/* In light far beyond its reach, while the step to the end is on its way. */
+/* In light far beyond reach, the limit is named while the step to the end is still in flight. */
 static void check_named(double light_ev, uint32_t limit)
 {
     pupil_sensor_setting s;
@@ -50,7 +51,7 @@ static void check_named(double light_ev, uint32_t limit)
               pupil_sensor_state_name(s.state), pupil_sensor_reason_name(s.reason));
 }
 
-/* What highlights hold back brings the aim within reach again: they are followed where it is not, too. */
+/* Highlights lower the aim and so bring it within reach: they are followed where the key is not in reach, too. */
 static void check_highlights(double light_ev)
 {
     pupil_sensor_setting s;

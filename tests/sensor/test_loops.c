@@ -1,6 +1,6 @@
 /* What the loop does with cameras of every fault that docs/camera-answers.md has a rule for, in lights that change: a
- * line for each camera and light, compared with loops.txt. Lines that differ are what a change of the loop does; where
- * that is meant, --write puts them there, and the commit says why they are better.
+ * line for each camera and light, compared with loops.txt. Lines that differ show the effect of a change of the loop;
+ * where it is intended, --write stores them, and the commit says why they are better.
  *
  *     off       frames in which the sensor is over 0.25 EV off
  *     asked     settings that were asked for

@@ -1,4 +1,4 @@
-/* The sensor's state machine: every limit by its name, locks and hands, odd frames, and random calls. */
+/* The sensor's state machine: every limit by its name, locks and manual modes, odd frames, and random calls. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -70,7 +70,7 @@ static void check_states(void)
     CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK);
     plant_turn(&p, &sensor, &s, NULL);
     CHECK(s.state == PUPIL_SENSOR_FLICKER && s.reason == PUPIL_SENSOR_BELOW_MAINS);
-    for (int dark = 0; dark < 40; dark++) { /* from 10 ms on there are multiples only */
+    for (int dark = 0; dark < 40; dark++) { /* from 10 ms on, only multiples */
         p.light_ev -= 0.2;
         for (int i = 0; i < 6; i++)
             plant_turn(&p, &sensor, &s, NULL);
@@ -91,7 +91,7 @@ static void check_states(void)
               p.light_ev + log2(s.exposure_s * s.gain) + 3.2);
 }
 
-/* The level does not move where a control goes from auto to hand and back, is held, or another profile comes. */
+/* The level does not move when a control changes from auto to manual and back, or is held, or the profile changes. */
 static void check_bumpless(void)
 {
     for (int law = 0; law < LAWS; law++) {
@@ -132,13 +132,13 @@ static void check_bumpless(void)
     CHECK(s.state == PUPIL_SENSOR_LOCKED && s.reason == PUPIL_SENSOR_ALL_MANUAL && !s.changed);
     c = plant_config(LAW_FINE);
     CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
-    CHECK(fabs(s.total_s - PLANT_LINE_S * 100) < 1e-12); /* goes on from the hand's setting */
+    CHECK(fabs(s.total_s - PLANT_LINE_S * 100) < 1e-12); /* continues from the manual setting */
     for (int i = 0; i < 12; i++)
         plant_turn(&p, &sensor, &s, NULL);
     CHECK(s.state == PUPIL_SENSOR_CONVERGED && fabs(s.total_s * 20 - 1) < 0.05);
 }
 
-/* A setting saved, and started with in the next session: right from the first frame. */
+/* A saved setting starts the next session: right from the first frame. */
 static void check_warm_start(void)
 {
     pupil_sensor_config c = plant_config(LAW_THIRD);
@@ -156,7 +156,7 @@ static void check_warm_start(void)
     CHECK(pupil_sensor_start(&sensor, INFINITY, 1) == PUPIL_ERR_VALUE);
 }
 
-/* Nothing moves on frames that say nothing. */
+/* Frames without information move nothing. */
 static void check_odd_frames(void)
 {
     static pupil_stats none, stats;
@@ -190,7 +190,7 @@ static void check_odd_frames(void)
     info.timestamp_ns = -50;
     CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_OK && pupil_sensor_get(&sensor, &s) == PUPIL_OK);
     CHECK(s.reason == PUPIL_SENSOR_CLOCK_BACK && s.dt_s == 0);
-    stats.bin[3]++; /* what no metering produces is refused, and nothing moves */
+    stats.bin[3]++; /* impossible statistics are refused, and nothing moves */
     pupil_sensor copy = sensor;
     CHECK(pupil_sensor_frame(&sensor, &stats, &info) == PUPIL_ERR_STATS);
     CHECK(memcmp(&copy, &sensor, sizeof copy) == 0);
@@ -253,7 +253,7 @@ static void check_setting(const pupil_sensor_config *c)
           s.reason == PUPIL_SENSOR_NO_REASON || s.state != PUPIL_SENSOR_EMPTY);
 }
 
-/* Two objects, made of different bytes, take the same random calls: the same bits. */
+/* Two objects, initialised in memory with different bytes, get the same random calls: they have the same bits. */
 static void check_random_calls(void)
 {
     static pupil_sensor other, copy;
@@ -277,7 +277,7 @@ static void check_random_calls(void)
                 total = s.total_s;
                 c = random_config();
                 CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK && pupil_sensor_retune(&other, &c) == PUPIL_OK);
-                CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK); /* moved only where the new limits want it */
+                CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK); /* moved only where the new limits require it */
                 CHECK(fabs(s.total_s / total - 1) < 1e-9 || fabs(s.digital - 1) < 1e-9);
                 break;
             case 1:
@@ -296,7 +296,7 @@ static void check_random_calls(void)
             }
             check_setting(&c);
             CHECK(memcmp(&sensor, &other, sizeof sensor) == 0);
-            if (check_random() % 16 == 0) { /* moved in memory, it goes on */
+            if (check_random() % 16 == 0) { /* moved in memory, the object still works */
                 copy = sensor;
                 memset(&sensor, 0, sizeof sensor);
                 sensor = copy;

@@ -1,5 +1,5 @@
-/* Statistics that not every camera has: without counts of pixels, of light below all of the histogram, of frames that
- * are black when a change that was announced comes. */
+/* Unusual statistics: without counts of pixels, of light below the whole histogram, and of frames that are black when
+ * an announced change comes. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -15,7 +15,7 @@ static void begin(void)
     plant_open(&p, &sensor, log2(0.18) - middle, 2);
 }
 
-/* Statistics of an ISP say how light is distributed, and not of how many pixels. */
+/* An ISP's statistics give the distribution of light, but not the number of pixels. */
 static void test_no_counts(void)
 {
     begin();
@@ -33,8 +33,8 @@ static void test_no_counts(void)
               off);
 }
 
-/* All of the light in the histogram's first bin, which frames that are metered here never reach: as much exposure as
- * there is, and the state says that it is not enough. */
+/* All light is in the histogram's first bin, which frames metered by the library never reach: the loop asks for the
+ * largest exposure, and the state says that it is not enough. */
 static void test_lowest_bin(void)
 {
     begin();
@@ -52,8 +52,8 @@ static void test_lowest_bin(void)
               s.exposure_s, s.gain);
 }
 
-/* The lamp goes out as it was announced: black frames say no more than that it is on the dark side, and the sensor is
- * where the announcement has it. */
+/* The lamp goes out as announced: black frames only show that it is dark, and the sensor keeps the announced
+ * setting. */
 static void test_announced_dark(void)
 {
     begin();
@@ -73,8 +73,8 @@ static void test_announced_dark(void)
     }
 }
 
-/* A chess board of black and white becomes a scene, and a board again: the dark half says that all has become brighter,
- * the bright half that all has become darker. What the controls did is as sure as before. */
+/* A chess board of black and white becomes a scene, and a board again: by the dark half all has become brighter, by the
+ * bright half darker. The effect of the controls is as certain as before. */
 static void test_all_and_nothing(void)
 {
     double scene[PLANT_PIXELS];

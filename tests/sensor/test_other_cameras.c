@@ -1,6 +1,6 @@
-/* Cameras that the simulated one of fixtures does not have, through the public API as a user calls it: a grey ramp of
- * 12 bits without noise. After the promised frames what is shown is within 0.1 EV of the key, and the sensor within
- * half the camera's own step of it. */
+/* Cameras that the fixtures cannot simulate, through the public API as a user calls it: a grey ramp of 12 bits without
+ * noise. After the promised frames the shown level is within 0.1 EV of the key, and the sensor within half the camera's
+ * own step of it. */
 #include <math.h>
 
 #include "check.h"
@@ -13,10 +13,10 @@ typedef struct camera {
     pupil_sensor_config config;
     uint32_t delay_frames;
     double light_ev[2];     /* from the first frame on, and from frame FRAMES / 4 on */
-    double jump_gain, jump; /* from this gain on it does so many times more */
-    double knee, slope;     /* values above the knee rise so much more slowly */
+    double jump_gain, jump; /* from this gain on the gain has this many times the effect */
+    double knee, slope;     /* values above the knee rise with this slope */
     int has_powers_of_two;  /* exposures are rounded to them */
-    double black;           /* is added to all values, and nobody knows */
+    double black;           /* added to all values without being reported */
     int clock;              /* timestamps: 0 right, 1 stopped, 2 in whole seconds; without a sequence */
     double step_ev;         /* between settings */
 } camera;
@@ -116,7 +116,7 @@ static void table_of(camera *c, const double *gain, uint32_t count)
     c->config.gain_max = gain[count - 1];
 }
 
-/* Nothing is wrong with these but that their steps are far apart. */
+/* The only fault of these is that their steps are far apart. */
 static void coarse(double light_ev)
 {
     static const double two[] = {1.0, 8.0}, four[] = {1.0, 2.0, 4.0, 8.0};
@@ -146,7 +146,7 @@ static void faulty(double light_ev)
     c.has_powers_of_two = 1;
     c.config.gain_max = 1.0;
     c.config.exposure_max_s = 1.0 / 32.0;
-    const off o = run(&c); /* not always the nearer one of two settings; this may only fall */
+    const off o = run(&c); /* not always the nearer of two settings; this may only fall */
     CHECK_MSG(o.shown_ev <= 0.1 && o.sensor_ev <= 0.85, "powers of two, no gain, light %g EV: %.3f EV, the sensor %.3f",
               light_ev, o.shown_ev, o.sensor_ev);
     for (double jump = 1.1; jump < 1.9; jump += 0.1) {
@@ -170,9 +170,9 @@ static void faulty(double light_ev)
     }
 }
 
-/* A black level that was not subtracted, in light that changes every 40 frames. Once two steps
- * have shown it, the picture without it is at the key: whether it is so after 160 frames. Where the camera's black is
- * right from then on, it is forgotten again. */
+/* A black level that was not subtracted, in light that changes every 40 frames. Once two steps have shown it, the
+ * picture without it is at the key: this checks that after 160 frames. Where the camera's black is right from then on,
+ * the loop forgets it again. */
 static int black_level(double light_ev)
 {
     camera c = camera_of(light_ev);

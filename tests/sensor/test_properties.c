@@ -1,5 +1,5 @@
-/* What holds of pupil_sensor after every call, whatever the calls, the frames and the camera are; and that a change of
- * hands does not move the level that is shown.
+/* Invariants of pupil_sensor after every call, for any calls, frames and cameras; and that a change of mode does not
+ * move the shown level.
  *
  *     test_sensor_properties [SEED [EPISODES]]
  *
@@ -16,7 +16,7 @@ static pupil_sensor_setting s;
 static pupil_sensor_config c;
 static uint64_t episode_seed;
 static unsigned long bumps, compared; /* frames around a retune */
-static unsigned long not_there;       /* frames whose limit is named, at a setting that is not at it */
+static unsigned long not_there;       /* frames that name a limit although the setting is not at it */
 static unsigned long pair[PUPIL_SENSOR_LOCKED + 1][REASONS], at[REASONS], beyond[REASONS], settings, bound,
     free_of_limits;
 static double worst_bump;
@@ -87,7 +87,8 @@ static int is_multiple(double x, double step)
     return fabs(x / step - floor(x / step + 0.5)) < 1e-5;
 }
 
-/* By sensor.h: multiples of the step, of half a mains period from there on (rounded down to steps), or the least. */
+/* By sensor.h: multiples of the step; from half a mains period on multiples of that (rounded down to steps); or the
+ * minimum. */
 static int camera_has_exposure(double exposure_s)
 {
     const double half_s = c.mains_hz ? 0.5 / c.mains_hz : 0,
@@ -132,8 +133,8 @@ static int is_locked(void)
     return c.lock || (c.exposure_mode != PUPIL_SENSOR_AUTO && c.gain_mode != PUPIL_SENSOR_AUTO);
 }
 
-/* What sensor.h lets a state and a reason be together. Of a frame that counts for nothing the state is the last one's;
- * a clock that went back is told where there is nothing else to tell. */
+/* Which states and reasons sensor.h combines. A frame that does not count keeps the last state; a clock that went back
+ * is reported where there is no other reason. */
 static int may_go_together(uint32_t state, uint32_t reason)
 {
     if (reason == PUPIL_SENSOR_INVALID_FRAME || reason == PUPIL_SENSOR_REPEATED_FRAME)
@@ -159,7 +160,7 @@ static int may_go_together(uint32_t state, uint32_t reason)
     }
 }
 
-/* Every limit that an auto control stands at, worked out anew. */
+/* Every limit that an auto control is at, computed independently. */
 static uint32_t limits_of(void)
 {
     const int by_frame = c.frame_rate_priority && c.frame_s < c.exposure_max_s;
@@ -227,8 +228,8 @@ static void check_setting(const pupil_sensor_setting *before, int frame)
           s.exposure_s, c.exposure_min_s, c.exposure_max_s, c.exposure_step_s, c.mains_hz);
     HOLDS(camera_has_gain(s.gain), "the camera has no gain of %.9g (%g to %g, law %u)", s.gain, c.gain_min, c.gain_max,
           c.gain_law);
-    /* the same again, to a camera that does not answer, but never after two frames in a row; a call that is no frame
-     * leaves a change that was not written yet */
+    /* a setting is repeated for a camera that does not respond, but never after two frames in a row; a call without a
+     * frame keeps a change that was not written yet */
     const int is_other = s.exposure_s != before->exposure_s || s.gain != before->gain;
     HOLDS(s.changed ? is_other || !written_again || !frame : !is_other, "changed is %u", s.changed);
     written_again = s.changed && !is_other;
@@ -246,7 +247,7 @@ static void check_setting(const pupil_sensor_setting *before, int frame)
           "state %u after %llu frames", s.state, (unsigned long long)s.frames);
     if (s.reason >= PUPIL_SENSOR_AT_EXPOSURE_MIN && s.reason <= PUPIL_SENSOR_AT_GAIN_MAX) {
         beyond[s.reason]++;
-        /* the light is beyond; the setting is there, or within far_ev and on its slow way */
+        /* the light is beyond the limit; the setting is at it, or within far_ev and moving slowly */
         not_there += !(s.limits >> s.reason & 1) && fabs(s.error_ev) <= 0.004;
     }
 }
@@ -272,8 +273,8 @@ static void retune(const pupil_sensor_config *next)
     check_setting(&before, 0);
 }
 
-/* A frame of the camera, with a clock that may stand or go back, or the same frame again, or statistics that are none.
- * The sequence says which frame is new. */
+/* A frame of the camera, with a clock that may stop or go back, or a repeated frame, or invalid statistics. The
+ * sequence says which frame is new. */
 static void frame(int odd)
 {
     static pupil_stats stats;
@@ -329,13 +330,13 @@ static void any_calls(void)
         static pupil_sensor kept;
         pupil_sensor_config next;
         double total;
-        if (one_in(12)) /* a step, now and then into black or white; or a flash */
+        if (one_in(12)) /* a step, sometimes into black or white; or a flash */
             p.light_ev = one_in(4) ? (one_in(2) ? -30 : 40) : 20 * check_uniform() - 8;
         switch (check_random() % 24) {
         case 0:
             next = random_config();
             retune(&next);
-            /* moved into the new limits only; a dead control's are not what its setting says */
+            /* moved only into the new limits; a dead control's setting does not show its limits */
             HOLDS(fabs(s.total_s / before.total_s - 1) < 1e-9 || is_locked() || fabs(s.digital - 1) < 1e-9 ||
                       before.reason == PUPIL_SENSOR_IGNORED,
                   "total from %g to %g s, digital %g, reason %u", before.total_s, s.total_s, s.digital, before.reason);
@@ -353,7 +354,7 @@ static void any_calls(void)
             CHECK(pupil_sensor_start(&sensor, NAN, 1) == PUPIL_ERR_VALUE);
             HOLDS(memcmp(&kept, &sensor, sizeof sensor) == 0, "a refused call moved it");
             break;
-        case 3: /* moved in memory, it goes on */
+        case 3: /* moved in memory, the object still works */
             kept = sensor;
             memset(&sensor, 0, sizeof sensor);
             sensor = kept;
@@ -364,9 +365,9 @@ static void any_calls(void)
     }
 }
 
-/* --- a change of hands --- */
+/* --- a change of mode --- */
 
-/* One thing about the config is another; returns what. What was manual before is auto again, or is not. */
+/* Changes one thing in the config; returns which. A manual control becomes auto again, or stays manual. */
 static const char *change_hands(const pupil_sensor_config *usual)
 {
     static const char *const what[] = {"manual gain", "gain held", "manual exposure", "exposure held", "lock",
@@ -395,8 +396,8 @@ static const char *change_hands(const pupil_sensor_config *usual)
     return what[change];
 }
 
-/* The camera tells the truth, the light stands still: as shown, no frame differs from the one before by more than
- * BUMP_EV, but where the new hands cannot make the total: then it is at a limit, and digital is 1. */
+/* With true metadata and still light, no shown frame differs from the one before by more than BUMP_EV, except where the
+ * new modes cannot reach the total: then it is at a limit, and digital is 1. */
 static void hands(void)
 {
     const int law = (int)(check_random() % LAWS);
@@ -406,7 +407,7 @@ static void hands(void)
     usual.highlight_ev = 0;
     c = usual;
     begin(log2(0.18) - log2(between(1e-3, 0.3)));
-    p.pixels = PLANT_PIXELS; /* a slope is learnt from the steps: a picture of few pixels shows it badly */
+    p.pixels = PLANT_PIXELS; /* a slope is learned from the steps: few pixels show it badly */
     const int lamp =
         one_in(2) ? (int)(PLANT_PIXELS * 0.3 * check_uniform()) : 0; /* no log-normal scene, which clip hides */
     for (int i = 0; i < lamp; i++)
@@ -431,7 +432,7 @@ static void hands(void)
             last = shown;
         }
         twin = sensor;
-        if (at_limit) { /* find back, so that the next change begins at rest */
+        if (at_limit) { /* settles again, so that the next change begins at rest */
             retune(&usual);
             for (int i = 0; i < REST; i++)
                 plant_turn(&p, &sensor, &s, &last);
@@ -442,13 +443,13 @@ static void hands(void)
 
 /* --- limits --- */
 
-/* Light far beyond what the camera can: the state is LIMITED, for a limit of that side, of a control that is auto. */
+/* Light far beyond the camera's range: the state is LIMITED, by a limit of that side of an auto control. */
 static void limits(void)
 {
     c = random_config();
     c.lock = 0;
     c.linear = 1;
-    c.key_points = 0; /* what is beyond is so by the key of 0.18 */
+    c.key_points = 0; /* the light is beyond the range for the key 0.18 */
     if (is_locked())
         c.exposure_mode = PUPIL_SENSOR_AUTO;
     const int dark = one_in(2);

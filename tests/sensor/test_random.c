@@ -1,4 +1,4 @@
-/* Random cameras, each with delays, a gain law, lies and a tone curve of its own: none of them makes the loop swing.
+/* Random cameras, each with its own delays, gain law, wrong metadata and tone curve: none of them makes the loop swing.
  *
  *     test_sensor_random [SEED [COUNT]]
  *
@@ -21,7 +21,7 @@ static double between(double low, double high)
     return low + (high - low) * check_uniform();
 }
 
-/* What the camera is, in a line. */
+/* Describes the camera in a line. */
 static void describe(uint64_t seed, const pupil_sensor_config *c)
 {
     printf(
@@ -71,7 +71,7 @@ static pupil_sensor_config random_camera(void)
     return c;
 }
 
-/* Large steps in the time that is watched, the scene being still, and how far the total went from end to end. */
+/* Large steps in the watched time, with a still scene, and the total's range. */
 static int watch(double *wandered, pupil_sensor_setting *s)
 {
     double low = 1e9, high = -1e9, last = 0;
@@ -115,7 +115,7 @@ int main(int argc, char **argv)
     }
     printf("random cameras: %ld of %ld swing; of the others the total wanders by %.3f EV at most\n", swinging, count,
            worst);
-    /* cameras of the first seed with a dead gain, or with delays far beyond what is believed; may only fall */
+    /* cameras of the first seed with a dead gain, or with delays far beyond the configured ones; may only fall */
     CHECK(swinging * 1000 <= 2 * count);
     return check_end();
 }

@@ -1,7 +1,7 @@
-/* Any change of what the loop does: random cameras with faults of all kinds, random configurations, and light and calls
- * at random. A line for each group of loops, compared with random_loops.txt. Lines that differ are what a change of the
- * loop does; where that is meant, --write puts them there. Which frames they are, loops.txt shows better: this says
- * only whether all is as it was, to the last bit of every setting.
+/* Detects any change of what the loop does: random cameras with faults of all kinds, random configurations, and light
+ * and calls at random. A line for each group of loops, compared with random_loops.txt. Lines that differ show the
+ * effect of a change of the loop; where it is intended, --write stores them. loops.txt shows better which frames
+ * changed: this only shows whether every setting is the same to the last bit.
  *
  *     off       frames in which the sensor is over 0.25 EV off
  *     asked     settings that were asked for
@@ -154,7 +154,7 @@ static double random_value(event_kind kind)
     }
 }
 
-/* Mostly light, in steps of every size. Returns how many frames there are. */
+/* Mostly events of light, in steps of every size. Returns the number of frames. */
 static int random_script(script *s)
 {
     const int space = one_in(8) ? 60 : 18;  /* frames, at most */

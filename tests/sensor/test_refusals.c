@@ -1,5 +1,5 @@
-/* What pupil_sensor's functions refuse, each value on its own, and that nothing moved then: every end of every range of
- * sensor.h, and objects, structs and pointers that are none. */
+/* What pupil_sensor's functions refuse, value by value, and that a refusal changes nothing: every end of every range of
+ * sensor.h, and invalid objects, structs and pointers. */
 #include <stddef.h>
 
 #include "sensor_plant.h"
@@ -22,7 +22,7 @@ typedef struct field {
 #name, offsetof(pupil_sensor_config, name), 0, least, most                                                     \
     }
 
-/* Where the other fields are so that all of the range is allowed. */
+/* With other fields that allow the whole range. */
 static const field fields[] = {
     COUNT(delay_frames, 1, 16),
     NUMBER(key, 0x1p-10, 1),
@@ -126,7 +126,7 @@ static void check_ranges(void)
     }
 }
 
-/* Ends that hang on another field. */
+/* Ends that depend on another field. */
 static void check_pairs(void)
 {
     static const double steps[][3] = {/* law, step, is right */ {PUPIL_GAIN_DB, 1e-6, 1},
@@ -197,13 +197,13 @@ static void check_pairs(void)
         c.exposure_table[1] = i == 0 ? 0.009 : i == 1 ? 1.1e4 : NAN;
         refused(&c, "exposure_table", c.exposure_table[1]);
     }
-    c = wide_config(); /* what is not read is not looked at */
+    c = wide_config(); /* fields that are not read are not checked */
     c.exposure_mode = c.gain_mode = PUPIL_SENSOR_HELD;
     c.manual_exposure_s = c.manual_gain = NAN;
     CHECK(pupil_sensor_config_check(&c, NULL) == PUPIL_OK);
 }
 
-/* The ends of what tables may have, and entries that are as the one before. */
+/* The ends of the ranges of tables, and entries equal to the one before. */
 static void check_tables(void)
 {
     pupil_sensor_config c = wide_config();
@@ -255,7 +255,7 @@ static void check_pointers(void)
     pupil_sensor_config_default_sized(NULL, sizeof c); /* no effect, and no crash */
 }
 
-/* The ends of what the calls take are taken. */
+/* The calls accept the ends of their ranges. */
 static void check_ends(void)
 {
     static const double ends[][2] = {{0x1p-64, 0x1p64}, {0x1p64, 0x1p-64}};
@@ -305,7 +305,7 @@ static void check_scene(void)
     CHECK(s.reason == PUPIL_SENSOR_CLOCK_BACK && s.dt_s == 0.0);
 }
 
-/* A setting in the metadata that no camera has is none, above the range as below it. */
+/* An impossible setting in the metadata counts as none, above the range as below it. */
 static void check_metadata(void)
 {
     static const double wrong[][2] = {{0x1p65, 2}, {0x1p-65, 2}, {0.01, 0x1p65}, {0.01, 0x1p-65}};

@@ -1,5 +1,5 @@
-/* A camera that has exposures in large steps and says which: what was told is used, within limits that may change, of
- * more steps than are kept, and of a camera whose steps become others. */
+/* A camera with exposures in large steps, which it reports: the loop uses the reported steps, within limits that may
+ * change, with more steps than are kept, and after the camera's steps have changed. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -7,7 +7,7 @@ static pupil_sensor sensor;
 static pupil_sensor_config c;
 static pupil_sensor_setting s;
 
-/* What the camera has of what it is asked for. */
+/* The exposure that the camera makes of the one asked for. */
 static double rounded(double exposure_s, double step_s)
 {
     return fmax(floor(exposure_s / step_s + 0.5), 1.0) * step_s;
@@ -17,7 +17,7 @@ static double rounded(double exposure_s, double step_s)
 static void turns(int count, double step_s)
 {
     for (int i = 0; i < count; i++) {
-        pupil_sensor_setting now; /* gcc 12.2 -O2 takes s for a constant where its address alone is handed on */
+        pupil_sensor_setting now; /* gcc 12.2 -O2 treats s as a constant where only its address is passed on */
         plant_turn(&p, &sensor, &now, NULL);
         s = now;
         double *asked = &p.asked[(p.frame - 1) % PLANT_RING][0];
@@ -57,7 +57,7 @@ static void test_many_steps(void)
     }
 }
 
-/* Limits that exclude what was told. */
+/* Limits that exclude what was reported. */
 static void test_limits(void)
 {
     static const double limits[][2] = {{0.0123, 0.033}, {1e-4, 0.0077}, {0.0042, 0.0058}, {1e-4, 0.033}};
@@ -70,7 +70,7 @@ static void test_limits(void)
         c.exposure_min_s = limits[i][0];
         c.exposure_max_s = limits[i][1];
         CHECK(pupil_sensor_retune(&sensor, &c) == PUPIL_OK);
-        turns(1, 0.005); /* its ask may be that of before */
+        turns(1, 0.005); /* it may ask for the same as before */
         turns(60, 0.005);
     }
     check_settled("limits that are open again");
@@ -90,8 +90,8 @@ static void test_other_steps(void)
     }
 }
 
-/* From half a stop to half a stop, down, and a little other each time: 40 lights over all exposures, of which more are
- * told than are kept; and some are told as one although one was asked for that is shorter than all that became it. */
+/* Downward in half stops, slightly different each time: 40 lights over all exposures, of which more are reported than
+ * are kept. Some are reported as one although the one asked for is shorter than all that were rounded to it. */
 static void test_steps_that_wander(double step_ev, double up)
 {
     c = plant_config(LAW_FINE);

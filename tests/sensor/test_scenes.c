@@ -1,5 +1,4 @@
-/* The sensor's controller with scenes and cameras that are not what it hopes for: lamps, dark areas, tone curves. None
- * makes it swing. */
+/* The sensor's controller with difficult scenes and cameras: lamps, dark areas, tone curves. None makes it swing. */
 #include "sensor_plant.h"
 
 static plant p;
@@ -10,7 +9,7 @@ typedef struct rest {
     int settings, unsettled;
 } rest;
 
-/* 300 frames to settle in, then 400 that are watched. */
+/* 300 frames to settle, then 400 that are watched. */
 static rest watch(void)
 {
     pupil_sensor_setting s;
@@ -23,7 +22,7 @@ static rest watch(void)
             low = fmin(low, shown);
             high = fmax(high, shown);
             r.settings += s.changed != 0;
-            /* what is within far_ev has settled; noise takes a frame beyond it now and then */
+            /* within far_ev it has settled; noise sometimes takes a frame beyond */
             r.unsettled += (s.state != PUPIL_SENSOR_CONVERGED) != (fabs(s.error_ev) > 0.1);
         }
     }
@@ -41,7 +40,7 @@ static void begin(int law, uint32_t delay, int lies)
     p.noise_ev = 0.02;
 }
 
-/* A share of the scene is one even lamp, so that a small step clips or frees all of it. */
+/* A share of the scene is one even lamp, so that a small step clips or unclips all of it. */
 static void check_lamps(void)
 {
     double worst = 0, worst_lying = 0;
@@ -62,9 +61,9 @@ static void check_lamps(void)
     printf("lamps: %.3f EV from end to end at rest, %.3f where info lies\n", worst, worst_lying);
 }
 
-/* A share of the scene is even and dark: between code 0, which counts as the floor, and code 1 lie two stops. Where the
- * noise takes the area from one to the other and back, what is metered jumps by two stops times its share; the loop
- * must not make more of it. */
+/* A share of the scene is even and dark: between code 0, which counts as the floor, and code 1 lie two stops. Where
+ * noise moves the area from one to the other and back, the metered level jumps by two stops times the area's share; the
+ * loop must not amplify that. */
 static void check_dark_areas(void)
 {
     double worst = 0;
@@ -85,7 +84,7 @@ static void check_dark_areas(void)
     printf("dark areas: %.3f EV from end to end at rest\n", worst);
 }
 
-/* A picture that is bent: a change of one stop shows as half, or as two. */
+/* A nonlinear picture: a change of one stop shows as half, or as two. */
 static void check_slopes(void)
 {
     double worst = 0;

@@ -1,13 +1,12 @@
-/* The sensor's slow filter: dL/dt = (target - L) / tau_s in seconds, whatever the frame rate and whatever frames are
- * lost, as long as a frame's weight is below 0.39 / delay_frames, or 0.35 where no other delay than 1 is possible;
- * above that each frame, those that were lost before it with it, goes that share of the way, and no faster. Prints a
- * table. */
+/* The sensor's slow filter: dL/dt = (target - L) / tau_s in seconds, at any frame rate and with any lost frames, as
+ * long as a frame's weight is below 0.39 / delay_frames, or 0.35 where only a delay of 1 is possible. Above that each
+ * frame, including those lost before it, goes that share of the way, and no faster. Prints a table. */
 #include <math.h>
 
 #include "check.h"
 #include "pupil/sensor.h"
 
-#define STEP_EV 0.45 /* below hold_ev, so that the setting stands still */
+#define STEP_EV 0.45 /* below hold_ev, so that the setting is constant */
 
 enum { RATES = 5, TAUS = 3, DELAYS = 2 };
 
@@ -16,9 +15,9 @@ static const double tau[TAUS] = {0.2, 0.8, 10};
 static const uint32_t delay[DELAYS] = {1, 4};
 
 typedef struct walk {
-    double off_share; /* of the time since the step, where 5 to 95 % of the way are done; at most */
+    double off_share; /* largest share of the time since the step, from 5 to 95 % of the way */
     int bounded, frames;
-    double late[3]; /* time at which 10, 50, 90 % are reached over that of the ODE, by the frames around it */
+    double late[3]; /* time at which 10, 50, 90 % are reached over the ODE's time, interpolated between frames */
 } walk;
 
 /* Seconds after which the ODE has left 1 - share of the step, by Heun's method in steps of tau / 20000. */
@@ -44,8 +43,8 @@ static double most_weight(uint32_t frames_delay, int gap)
     return fmin(0.39, 0.39 * gap / frames_delay);
 }
 
-/* A scene that becomes lighter or darker by less than half a stop, which is near (far_ev is 2), and no setting of the
- * camera moves. */
+/* A scene becomes lighter or darker by less than half a stop, well within far_ev (2), and the camera's setting does not
+ * move. */
 static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops, int darker)
 {
     static const double shares[3] = {0.1, 0.5, 0.9};
@@ -89,7 +88,7 @@ static walk follow(double fps, double tau_s, uint32_t frames_delay, double drops
         const double now = (double)(now_ns - 1000000000) * 1e-9 - 1 / fps; /* since the last frame before the step */
         if (reached > 0.05 && reached < 0.95)
             w.off_share = fmax(w.off_share, fabs(now / (double)seconds_until(reached, tau_s) - 1));
-        for (int k = 0; k < 3; k++) /* between two frames it is on its way as the ODE is */
+        for (int k = 0; k < 3; k++) /* between two frames it moves as the ODE does */
             if (before < shares[k] && reached >= shares[k]) {
                 const double part = log((1 - before) / (1 - shares[k])) / log((1 - before) / (1 - reached));
                 w.late[k] = (then + part * (now - then)) / (double)seconds_until(shares[k], tau_s);

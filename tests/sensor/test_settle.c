@@ -7,13 +7,13 @@ static pupil_sensor sensor;
 static pupil_sensor_setting s;
 
 typedef struct answer {
-    int frames;       /* until the sensor is within 0.1 EV (and the law's step below), counted from the first frame that
-                       * has the new light; it stays there */
+    int frames;       /* until the sensor is within 0.1 EV (and the law's step below) and stays there, from the first
+                       * frame with the new light */
     double overshoot; /* stops beyond, on the other side, once it has moved */
 } answer;
 
-/* What the law may leave off where the setting is right: it is rounded down; where gains are further apart than 0.2 EV,
- * to the nearest, so that it may be above, too. */
+/* The error that the law leaves in a right setting: it is rounded down; where gains are further apart than 0.2 EV, to
+ * the nearest, so that it may be above, too. */
 static double above_ev(int law)
 {
     return law == LAW_THIRD ? 1.0 / 3.0 - 0.2 : 0.0;
@@ -31,19 +31,19 @@ static answer watch(int law, double direction)
         double off = plant_turn(&p, &sensor, &s, NULL);
         if (off > 0.1 + above_ev(law) || off < -0.1 - below_ev(law) - 0.05)
             a.frames = i + 1;
-        if (i >= (int)p.delay[0]) /* a scene that got darker is answered by light, and beyond is too bright */
+        if (i >= (int)p.delay[0]) /* a darker scene needs more exposure, so an overshoot is too bright */
             a.overshoot = fmax(a.overshoot, direction > 0 ? -off - below_ev(law) - 0.05 : off - above_ev(law));
     }
     CHECK(s.state == PUPIL_SENSOR_CONVERGED);
     return a;
 }
 
-/* The light moves by so many stops while the loop is at rest. */
+/* The light changes by this many stops while the loop is at rest. */
 static answer step(int law, uint32_t delay, double ev, int lies, uint32_t flash_frames)
 {
     pupil_sensor_config c = plant_config(law);
     c.flash_frames = flash_frames;
-    /* from the middle of what the camera can, so that no limit is met */
+    /* from the middle of the camera's range, so that no limit is met */
     const double middle = 0.5 * (log2(PLANT_LINE_S) + log2(20.0 / 30.0));
     CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
     plant_open(&p, &sensor, log2(0.18) - middle - 0.5 * ev, delay);
@@ -54,7 +54,7 @@ static answer step(int law, uint32_t delay, double ev, int lies, uint32_t flash_
     return watch(law, ev);
 }
 
-/* From the start of the stream, with a first setting so many stops too bright. */
+/* From the start of the stream, with a first setting this many stops too bright. */
 static answer start(int law, uint32_t delay, double ev, int lies, uint32_t flash_frames)
 {
     pupil_sensor_config c = plant_config(law);
@@ -67,9 +67,9 @@ static answer start(int law, uint32_t delay, double ev, int lies, uint32_t flash
     return watch(law, ev);
 }
 
-/* D + 1 frames, and those that are looked at to tell a flash; where more than 97 % are clipped (+6 EV, white), 2 D + 1
- * where that is more. A start looks at nothing twice; from white, with info that tells what was asked, nothing shows
- * for how long a second look has to wait: as long as believed. */
+/* D + 1 frames, and those needed to recognise a flash; where more than 97 % are clipped (+6 EV, white), 2 D + 1 where
+ * that is more. A start looks at nothing twice. From white, with info that reports what was asked for, nothing shows
+ * how long a second look has to wait: it waits for the configured delay. */
 static void answered(const char *what, int law, uint32_t delay, const answer a[2], int most, int most_lying)
 {
     for (int lies = 0; lies < 2; lies++) {
@@ -116,8 +116,8 @@ static void check_settling(uint32_t flash_frames)
 /* At rest, with noise of the metering: how far the shown level wanders, and how often the camera is written to. */
 static void check_rest(void)
 {
-    /* the filter passes white noise on with a deviation of sqrt(k / (2 - k)) of its own; nothing beyond eight of these
-     * from end to end is the noise's */
+    /* the filter reduces the deviation of white noise by sqrt(k / (2 - k)); a range of more than eight such deviations
+     * is not noise */
     const double k = 1 - exp(-1 / 30.0 / 0.8), most = 8 * 0.02 * sqrt(k / (2 - k));
     printf("at rest, 900 frames with 0.02 EV of metering noise\n%-12s D  p-p EV  RMS EV/frame  settings\n", "gain");
     for (int law = 0; law < LAWS; law++)
@@ -146,8 +146,8 @@ static void check_rest(void)
             }
 }
 
-/* A slow ramp over many settings: as shown, no frame differs from the one before by more than the ramp and the filter
- * explain, whatever the law and whatever the two delays. */
+/* A slow ramp over many settings: with any law and any two delays, no shown frame differs from the one before by more
+ * than the ramp and the filter explain. */
 static void check_seams(void)
 {
     double worst = 0;
@@ -158,7 +158,7 @@ static void check_seams(void)
                 double last = 0;
                 if ((law + (int)(e + g)) % check_every(2))
                     continue;
-                c.highlight_ev = 0;            /* steps of the sensor alone, not what the highlights want */
+                c.highlight_ev = 0;            /* steps of the sensor alone, without highlights */
                 c.mains_hz = law % 2 ? 50 : 0; /* exposures that jump by a factor of two, made up for by the gain */
                 CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
                 plant_open(&p, &sensor, log2(0.18 * 60), e);
@@ -179,7 +179,7 @@ static void check_seams(void)
     CHECK(worst <= 0.005);
 }
 
-/* Seconds, not frames: the filter's way at other frame rates. */
+/* Seconds, not frames: the filter at other frame rates. */
 static void check_seconds(void)
 {
     static const double rates[] = {10, 30, 120, 240};
@@ -206,7 +206,7 @@ static void check_seconds(void)
                 CHECK(pupil_sensor_get(&sensor, &s) == PUPIL_OK);
                 plant_ask(&p, &s);
             }
-            /* 0.5 EV, less what is left after two time constants; the mean of a partly clipped scene lies 0.01 lower */
+            /* 0.5 EV, less the rest after two time constants; the mean of a partly clipped scene is 0.01 lower */
             double way = log2(s.total_s) - before, wanted = 0.5 * (1 - exp(-2.0));
             CHECK_MSG(fabs(way - wanted) < 0.02, "%g fps: %g EV, %g is right", rates[i], way, wanted);
         }
