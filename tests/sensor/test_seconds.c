@@ -15,7 +15,7 @@ static const double tau[TAUS] = {0.2, 0.8, 10};
 static const uint32_t delay[DELAYS] = {1, 4};
 
 typedef struct walk {
-    double off_share; /* largest share of the time since the step, from 5 to 95 % of the way */
+    double off_share; /* largest error in time, as a share of the time since the step, from 5 to 95 % of the way */
     int bounded, frames;
     double late[3]; /* time at which 10, 50, 90 % are reached over the ODE's time, interpolated between frames */
 } walk;

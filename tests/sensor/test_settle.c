@@ -116,8 +116,8 @@ static void check_settling(uint32_t flash_frames)
 /* At rest, with noise of the metering: how far the shown level wanders, and how often the camera is written to. */
 static void check_rest(void)
 {
-    /* the filter reduces the deviation of white noise by sqrt(k / (2 - k)); a range of more than eight such deviations
-     * is not noise */
+    /* the filter reduces the deviation of white noise by the factor sqrt(k / (2 - k)); a range of more than eight such
+     * deviations is not noise */
     const double k = 1 - exp(-1 / 30.0 / 0.8), most = 8 * 0.02 * sqrt(k / (2 - k));
     printf("at rest, 900 frames with 0.02 EV of metering noise\n%-12s D  p-p EV  RMS EV/frame  settings\n", "gain");
     for (int law = 0; law < LAWS; law++)

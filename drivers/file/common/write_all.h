@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* Continues after a short write or a signal. 0, or -1 and errno: then it is not known how many bytes were written. Not
- * for pipes: a reader that has stopped would keep the program from ending. */
+/* Continues after a short write or a signal. 0, or -1 and errno: then the number written is not known. Not for pipes:
+ * a reader that has stopped would keep the program from ending. */
 int pupil_write_all(int fd, const void *bytes, size_t count);
 
 #endif
