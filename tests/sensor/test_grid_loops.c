@@ -65,7 +65,7 @@ static int one_in(int n)
     return below(n) == 0;
 }
 
-/* A step up or down, of a size that the loop may compare with. */
+/* A step up or down, of a size that the loop may compare with; the first are the most. */
 static int step(void)
 {
     const int size =
