@@ -44,7 +44,7 @@ fades() { grep '^| eye |' "$1" | sed -n 4p | cut -d'|' -f3; }
 
 expect 2 "look: takes a scene" study look spheres --out x
 expect 2 "look: takes a scene" study look --check
-expect 2 "of pupil study look" study spheres --eye 3
+expect 2 "works only with pupil study look" study spheres --eye 3
 expect 2 "one scene" study look spheres room
 expect 2 "--eye 0: must be cd/m2" study look spheres --eye 0
 expect 1 "nosuch" study look nosuch.scene
