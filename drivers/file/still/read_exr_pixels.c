@@ -270,24 +270,21 @@ static int covers(const exr_attr_box2i_t *outer, const exr_attr_box2i_t *inner)
 }
 
 /* One axis: where the data window begins in the display window, and which share of it that covers, as fractions. */
-static void cover(int32_t data_min, int32_t data_max, int32_t display_min, int32_t display_max, double window[2])
+static void cover(int32_t data_min, int32_t data_max, int32_t display_min, int32_t display_max, double *begin,
+                  double *share)
 {
     const int64_t first = data_min > display_min ? data_min : display_min;
     const int64_t end = (int64_t)(data_max < display_max ? data_max : display_max) + 1;
     const double side = (double)display_max - display_min + 1;
-    window[0] = (double)(first - display_min) / side;
-    window[1] = (double)(end - first) / side;
+    *begin = (double)(first - display_min) / side;
+    *share = (double)(end - first) / side;
 }
 
 static void set_window(const exr_plan *plan, double window[4])
 {
-    double x[2], y[2];
-    cover(plan->data.min.x, plan->data.max.x, plan->display.min.x, plan->display.max.x, x);
-    cover(plan->data.min.y, plan->data.max.y, plan->display.min.y, plan->display.max.y, y);
-    window[0] = x[0];
-    window[1] = y[0];
-    window[2] = x[1];
-    window[3] = y[1];
+    const exr_attr_box2i_t *data = &plan->data, *display = &plan->display;
+    cover(data->min.x, data->max.x, display->min.x, display->max.x, &window[0], &window[2]);
+    cover(data->min.y, data->max.y, display->min.y, display->max.y, &window[1], &window[3]);
 }
 
 static int read_all(exr_pixels *p, pupil_still *still)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file/common/transfer_curves.h"
 #include "icc.h"
 #include "still_private.h"
 #include "upright.h"
@@ -59,18 +60,16 @@ static void on_read(png_structp png, png_bytep out, size_t count)
 static double light(const png_reader *r, double v)
 {
     switch (r->curve) {
-    case CURVE_SRGB: /* IEC 61966-2-1 */
-        return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+    case CURVE_SRGB:
+        return pupil_srgb_light(v);
     case CURVE_POWER:
         return pow(v, r->power);
     case CURVE_BT709: /* Rec. ITU-R BT.709-6, item 1.2, inverted */
         return v < 0.081 ? v / 4.5 : pow((v + 0.099) / 1.099, 1 / 0.45);
-    case CURVE_PQ: { /* Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 cd/m2 of its 10000 */
-        double p = pow(v, 32 / 2523.), top = fmax(p - 3424 / 4096., 0);
-        return 100 * pow(top / (2413 / 128. - 2392 / 128. * p), 16384 / 2610.);
-    }
-    case CURVE_HLG: /* Rec. ITU-R BT.2100-2, table 5: the inverse of the OETF, scene light 0..1 */
-        return v <= 0.5 ? v * v / 3 : (exp((v - 0.55991073) / 0.17883277) + 0.28466892) / 12;
+    case CURVE_PQ:
+        return pupil_pq_light(v);
+    case CURVE_HLG:
+        return pupil_hlg_light(v);
     case CURVE_LINEAR:
         break;
     }

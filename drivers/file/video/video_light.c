@@ -5,11 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* IEC 61966-2-1, 5.2. */
-static double srgb_light(double code)
-{
-    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
-}
+#include "file/common/transfer_curves.h"
 
 static double gamma22_light(double code)
 {
@@ -24,19 +20,6 @@ static double gamma28_light(double code)
 static double linear_light(double code)
 {
     return code;
-}
-
-/* Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 cd/m2. */
-static double pq_light(double code)
-{
-    const double p = pow(code, 32 / 2523.), top = fmax(p - 3424 / 4096., 0);
-    return 100 * pow(top / (2413 / 128. - 2392 / 128. * p), 16384 / 2610.);
-}
-
-/* Rec. ITU-R BT.2100-2, table 5: the inverse of the OETF, scene light 0..1. */
-static double hlg_light(double code)
-{
-    return code <= 0.5 ? code * code / 3 : (exp((code - 0.55991073) / 0.17883277) + 0.28466892) / 12;
 }
 
 int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharacteristic transfer)
@@ -54,7 +37,7 @@ int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharac
     case AVCOL_TRC_IEC61966_2_1:
     case AVCOL_TRC_BT2020_10:
     case AVCOL_TRC_BT2020_12:
-        light = srgb_light;
+        light = pupil_srgb_light;
         break;
     case AVCOL_TRC_GAMMA22:
         light = gamma22_light;
@@ -66,10 +49,10 @@ int pupil_light_table(float table[PUPIL_LIGHT_CODES], enum AVColorTransferCharac
         light = linear_light;
         break;
     case AVCOL_TRC_SMPTE2084:
-        light = pq_light;
+        light = pupil_pq_light;
         break;
     case AVCOL_TRC_ARIB_STD_B67:
-        light = hlg_light;
+        light = pupil_hlg_light;
         break;
     default:
         return -1;
