@@ -44,7 +44,7 @@ if(PUPIL_PROGRAM)
   endif()
 endif()
 
-# libcamera: pupil_dep_LIBCAMERA exists if it can be built. Without it configuring continues, and a stub says so.
+# libcamera: pupil_dep_LIBCAMERA exists if it can be built. Without it *_absent.c is built, which reports so.
 if(PUPIL_PROGRAM AND PUPIL_LIBCAMERA AND PUPIL_V4L2)
   find_package(PkgConfig QUIET)
   if(PkgConfig_FOUND)

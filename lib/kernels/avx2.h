@@ -244,16 +244,18 @@ INLINE __m256i sixteen_twice(const uint8_t *p)
     return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)p));
 }
 
+/* Byte k as the lowest byte of a number, and as its top byte; the other bytes are 0. */
+#define LOW(k)  (int32_t)(0x80808000u | (k))
+#define HIGH(k) (int32_t)((uint32_t)(k) << 24 | 0x808080u)
+
 /* 16 bytes as numbers */
 INLINE void v_of_bytes(const uint8_t *p, floats to[2])
 {
-#define LOW(k) (int32_t)(0x80808000u | (k))
     const __m256i all = sixteen_twice(p);
     const __m256i first = _mm256_setr_epi32(LOW(0), LOW(1), LOW(2), LOW(3), LOW(4), LOW(5), LOW(6), LOW(7));
     const __m256i last = _mm256_setr_epi32(LOW(8), LOW(9), LOW(10), LOW(11), LOW(12), LOW(13), LOW(14), LOW(15));
     to[0] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, first));
     to[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, last));
-#undef LOW
 }
 
 /* 8 pairs of bytes as two numbers less 128, each twice, in units of CHROMA_UNIT: a byte becomes the top byte of a
@@ -261,7 +263,6 @@ INLINE void v_of_bytes(const uint8_t *p, floats to[2])
 #define CHROMA_UNIT 0x1p-24f
 INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
 {
-#define HIGH(k) (int32_t)((uint32_t)(k) << 24 | 0x808080u)
     const __m256i all = _mm256_xor_si256(sixteen_twice(p), _mm256_set1_epi8(-128));
     const __m256i first = _mm256_setr_epi32(HIGH(0), HIGH(0), HIGH(2), HIGH(2), HIGH(4), HIGH(4), HIGH(6), HIGH(6));
     const __m256i last =
@@ -271,14 +272,11 @@ INLINE void v_of_chroma(const uint8_t *p, floats u[2], floats v[2])
     u[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, last));
     v[0] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, _mm256_add_epi32(first, next)));
     v[1] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(all, _mm256_add_epi32(last, next)));
-#undef HIGH
 }
 
 /* The same of 16 pixels in YUYV (luma_at 0) or UYVY (1). */
 INLINE void v_of_packed(const uint8_t *p, int32_t luma_at, floats y[2], floats u[2], floats v[2])
 {
-#define LOW(k)  (int32_t)(0x80808000u | (k))
-#define HIGH(k) (int32_t)((uint32_t)(k) << 24 | 0x808080u)
     const __m256i luma =
         _mm256_add_epi32(_mm256_setr_epi32(LOW(0), LOW(2), LOW(4), LOW(6), LOW(8), LOW(10), LOW(12), LOW(14)),
                          _mm256_set1_epi32(luma_at));
@@ -292,9 +290,10 @@ INLINE void v_of_packed(const uint8_t *p, int32_t luma_at, floats y[2], floats u
         u[k] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(chroma, first));
         v[k] = _mm256_cvtepi32_ps(_mm256_shuffle_epi8(chroma, second));
     }
+}
+
 #undef LOW
 #undef HIGH
-}
 
 /* --- load WIDTH pixels; *a is alpha --- */
 

@@ -220,7 +220,8 @@ static int load_nv12(const pupil_coder *coder, const pupil_row *row, uint32_t x,
     return 1;
 }
 
-/* The other formats are put in NV12's order first, in whole pairs: cheap compared with the look-ups of light. */
+/* Other formats, or the rest of a packed row, are put in NV12's order first, in whole pairs: cheap compared with the
+ * look-ups of light. */
 
 static int load_nv21(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)
 {
@@ -264,8 +265,7 @@ static inline void load_packed_yuv(const pupil_coder *coder, const pupil_row *ro
         luma[i] = s[2 * i + luma_at];
         chroma[i] = s[2 * i + 1 - luma_at];
     }
-    if (done < n)
-        load_rest_of_yuv(coder, luma + odd, chroma, odd, done, n, planes);
+    load_rest_of_yuv(coder, luma + odd, chroma, odd, done, n, planes);
 }
 
 static int load_yuyv(const pupil_coder *coder, const pupil_row *row, uint32_t x, uint32_t n, pupil_planes *planes)

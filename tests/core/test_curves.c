@@ -268,7 +268,7 @@ static void check_flat(int logarithmic, double from, int end)
     pupil_config_default(&config);
     config.curve = PUPIL_CURVE_EQUALISE;
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_process(&pupil, &in.image, NULL, &to) == PUPIL_OK);
-    uint32_t counted = 0; /* a code stands for all values that round to it: the first and the last are half as wide */
+    uint32_t counted = 0; /* the first and the last code have half as many values that round to them */
     for (int cell = 0; cell < 32; cell++) {
         uint32_t inside = 0;
         for (uint32_t x = 0; x < width; x++) {

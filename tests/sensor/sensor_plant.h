@@ -23,7 +23,7 @@ typedef struct plant {
     int lies;                 /* a plant_info */
     double slope;             /* slope of the picture's log2 against the light's; 1: linear */
     int shoulder;             /* the picture's curve has a shoulder, too, up to white */
-    int ignored[2];           /* the control ignores what is asked for */
+    int ignored[2];           /* the control ignores requests */
     int off_by_one;           /* exposures are this many lines longer than asked for, at least one line */
     double shortens;          /* exposures are shorter by this share of the gain's stops */
     double moving;            /* exposures are this many times as long where the gain is 2 or more; 0: off */

@@ -45,7 +45,7 @@ static int one_in(int64_t n)
     return below(n) == 0;
 }
 
-/* 2^16 stands for 1. */
+/* In fixed point: 2^16 is 1. */
 static int64_t wave(int64_t t_ns, int64_t period_ns)
 {
     const int64_t x = t_ns % period_ns * 65536 / period_ns, half = x & 32767, w = half * (32768 - half) >> 12;
