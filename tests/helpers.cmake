@@ -25,6 +25,10 @@ function(pupil_add_test name label)
   # Not in the home of the user who runs the tests. Without a cache every object compiles its shaders again: minutes.
   # And no test begins with the exposure that another one has kept: nothing can be made there.
   set(environment MESA_SHADER_CACHE_DIR=${PROJECT_BINARY_DIR}/shader-cache XDG_STATE_HOME=/dev/null)
+  # Mesa's driver on the CPU compiles shaders in half the time if it does not optimise them. The long tests let it.
+  if(NOT label STREQUAL long)
+    list(APPEND environment GALLIVM_PERF=nopt)
+  endif()
   if(TARGET pupil)
     list(APPEND environment "PUPIL_PROGRAM=$<TARGET_FILE:pupil>")
   endif()
