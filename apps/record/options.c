@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include <string.h>
 #include <sys/stat.h>
 
 #include "options/commands.h"
@@ -60,6 +61,8 @@ int record_options_parse(record_options *o, int argc, char **argv, pupil_why *wh
         return parsed;
     if (!words.count)
         return pupil_refuse(why, "no folder to record into; 'pupil record --help' has more");
+    if (!strcmp(words.word[words.count - 1], "-"))
+        return pupil_refuse(why, "-: a recording is a folder, which a pipe cannot carry; name a folder");
     if (words.count == 1 && stat(words.word[0], &is) == 0 && S_ISREG(is.st_mode))
         return pupil_refuse(why, "%s: is a file; to record it, name a folder behind it", words.word[0]);
     if (o->run.device && words.count > 1)

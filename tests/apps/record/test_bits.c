@@ -250,6 +250,7 @@ static void check_usage(const char *words, const char *sentence)
 static void test_usage(void)
 {
     check_usage("", "no folder to record into");
+    check_usage("synth:walk -", "-: a recording is a folder");
     check_usage("--nonsense x", "--nonsense: no such option");
     check_usage("-n 0 x", "--frames 0: must be a whole number of frames, 1 or more");
     check_usage("--shutter 10m x", "--shutter 10m: must be a time: 10ms");
