@@ -43,6 +43,14 @@ if(PUPIL_SANITIZE)
   add_compile_options(-fsanitize=${PUPIL_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${PUPIL_SANITIZE})
 endif()
+
+# With sanitizers, what computes pixels is optimised whatever the build type. The rest, without optimisation, compiles in
+# a third of the time and hardly runs longer.
+function(pupil_computes_pixels target)
+  if(PUPIL_SANITIZE)
+    target_compile_options(${target} PRIVATE -O2)
+  endif()
+endfunction()
 if(PUPIL_FUZZ)
   if(NOT CMAKE_C_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "PUPIL_FUZZ=ON needs clang, which brings libFuzzer: configure with -DCMAKE_C_COMPILER=clang")
