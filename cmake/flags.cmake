@@ -44,8 +44,8 @@ if(PUPIL_SANITIZE)
   add_link_options(-fsanitize=${PUPIL_SANITIZE})
 endif()
 
-# With sanitizers, what computes pixels is optimised whatever the build type. The rest, without optimisation, compiles in
-# a third of the time and hardly runs longer.
+# With sanitizers, what computes pixels is optimised whatever the build type. The rest, without optimisation, compiles
+# in a third of the time and hardly runs longer.
 function(pupil_computes_pixels target)
   if(PUPIL_SANITIZE)
     target_compile_options(${target} PRIVATE -O2)

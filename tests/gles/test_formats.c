@@ -118,8 +118,8 @@ static void code(pupil_coding *coding, uint32_t pixel, unsigned turn)
     }
 }
 
-/* The largest size is only for two formats. Of the rest an eighth is compared: most of the time goes to the shaders, and
- * nearly every case has its own. If shaders are interpreted, and under the sanitizers, only two of the largest
+/* The largest size is only for two formats. Of the rest an eighth is compared: most of the time goes to the shaders,
+ * and nearly every case has its own. If shaders are interpreted, and under the sanitizers, only two of the largest
  * frames. */
 static int is_left_out(uint32_t pixel, size_t scene_number, size_t size_number)
 {
