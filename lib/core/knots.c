@@ -17,8 +17,8 @@
 #define MOST_OFF_EV 1
 /* PUPIL_CURVE_NORMALISE: a frame of one grey must not become noise in black and white. */
 #define LEAST_SPAN 0.25
-/* PUPIL_CURVE_ADJUST: this share is spread evenly over the frame's range, so that the curve is flat nowhere; Ward
- * Larson et al. leave as much over when they trim (section 4.2). */
+/* PUPIL_CURVE_ADJUST: this share of the demand is spread evenly over the frame's range, so that the curve is flat
+ * nowhere. Ward Larson et al. stop trimming the histogram when this share is left to trim (section 4.2). */
 #define TOLERANCE 0.025
 /* Halvings until a threshold of shares, 0..1, is known to the last bit of a float. */
 #define HALVINGS 32
@@ -193,8 +193,9 @@ static double range_of(const adjusted *a, const float demand[KNOTS], double per_
     return sum;
 }
 
-/* 1 / (the demand that gets all that the ceiling allows). The frame's range is then that of the display, or as much of
- * it as the smallest demand gives, that of the evenly spread share alone. */
+/* Returns 1 / full, where `full` is the demand that gets all that the ceiling allows: the one with which the frame's
+ * range is that of the display. If the smallest demand, that of the evenly spread share alone, gives a shorter range,
+ * full is that one. */
 static double find_full(const pupil_config *c, const adjusted *a, const float demand[KNOTS])
 {
     double low = TOLERANCE / (a->end - a->first), high = 1.0 + TOLERANCE;

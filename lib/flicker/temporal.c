@@ -63,7 +63,7 @@ static double stops(const pupil_flicker_light *l, double turn, double at[2])
     return pupil_log2(clamp(1.0 + l->wave[0] * at[0] + l->wave[1] * at[1], 0.0625, 16.0));
 }
 
-/* A frame for one lamp: the light moved by `moved` stops in step_s seconds. */
+/* Updates the model of one lamp by a frame: in step_s seconds since the last one the light changed by `moved` stops. */
 static void lamp_frame(pupil_flicker_light *l, double hz, double period_s, double step_s, double moved)
 {
     double was[2];
