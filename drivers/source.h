@@ -45,6 +45,7 @@ typedef struct pupil_frame {
     pupil_frame_info info;
     const char
         *name; /* for messages and file names: the file the frame came from, or the source's own name; never NULL */
+    const char *notice; /* what of it could not be read, though it is a frame: a sentence; NULL: nothing */
     const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
     size_t coded_bytes; /* of coded */
     const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
@@ -64,6 +65,7 @@ typedef struct pupil_source_options {
     uint64_t seed;       /* of sources that draw random numbers (pan); 0: the default seed */
     unsigned threads;    /* of sources that compute their frames (synth); 0: one for each processor */
     int as_stored;       /* of video and JPEG: not turned upright */
+    int as_linear;       /* of pictures within a file (gain maps): codes are light as they are, without a curve */
     uint64_t max_pixels; /* larger frames are refused, except a camera's; 0: for stills as in still.h */
     int (*stop)(void);   /* asked during long work; nonzero ends that; NULL: never */
 } pupil_source_options;

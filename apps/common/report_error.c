@@ -10,6 +10,16 @@ void report_error(const char *command, pupil_why *why, const char *end)
     fprintf(stderr, "%s: %s%s\n", command, why->text, end);
 }
 
+void report_notice(progress *line, const char *command, const char *notice)
+{
+    pupil_why why;
+    if (!notice)
+        return;
+    snprintf(why.text, sizeof why.text, "%s", notice);
+    progress_clear(line);
+    report_error(command, &why, "");
+}
+
 void report_name(FILE *out, const char *before, const char *name, const char *after)
 {
     char plain[PATH_MAX];

@@ -4,10 +4,14 @@
 
 #include <stdio.h>
 
+#include "progress.h"
 #include "pupil/error.h"
 
 /* "COMMAND: WHY" and `end`, on standard error. */
 void report_error(const char *command, pupil_why *why, const char *end);
+
+/* What of a frame could not be read (pupil_frame.notice), likewise, in place of the line of progress; NULL: nothing. */
+void report_notice(progress *line, const char *command, const char *notice);
 
 /* The name of a file between two texts. */
 void report_name(FILE *out, const char *before, const char *name, const char *after);

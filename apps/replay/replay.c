@@ -6,6 +6,7 @@
 #include "common/command_line.h"
 #include "common/interrupt.h"
 #include "common/open_input.h"
+#include "common/report_error.h"
 #include "compare.h"
 #include "explain.h"
 #include "frame/any_scale.h"
@@ -184,6 +185,7 @@ static int run(replay *r)
             pupil_refuse_add(&s->why, "; --keep-going skips such frames");
         if (got != PUPIL_SOURCE_FRAME)
             return -1;
+        report_notice(&s->progress, s->command, r->loop_ns ? NULL : frame.notice);
         const int place = place_in_time(r, &frame), failed = place == 0 && take(r, &frame, read_us);
         pupil_source_done(s->source, &frame);
         if (failed)

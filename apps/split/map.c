@@ -109,6 +109,7 @@ static int run(mapping *m, pupil_why *why)
     pupil_frame frame;
     int got;
     while ((got = split_input_next(&m->input, &frame, why)) > 0) {
+        report_notice(&m->progress, "pupil map", frame.notice);
         const int failed = show(m, &frame, why);
         split_input_done(&m->input, &frame);
         if (failed)

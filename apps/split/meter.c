@@ -45,6 +45,7 @@ static int run(metering *m, pupil_why *why)
     int got;
     while ((got = split_input_next(&m->input, &frame, why)) > 0) {
         split_frame *f = &m->frame;
+        report_notice(&m->progress, "pupil meter", frame.notice);
         f->info = frame.info;
         f->pixels = split_pixels(&frame.image);
         snprintf(f->name, sizeof f->name, "%s", frame.name);

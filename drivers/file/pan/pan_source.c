@@ -22,6 +22,7 @@ typedef struct pan_source {
     double fov, duration_s; /* 0: not given */
     float *pixels;
     uint64_t sequence;
+    pupil_why notice; /* of the panorama's file */
 } pan_source;
 
 static int pan_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
@@ -39,6 +40,7 @@ static int pan_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     frame->image.height = s->height;
     frame->image.pixel = PUPIL_PIXEL_RGB32F;
     frame->info.timestamp_ns = (int64_t)(time_s * 1e9 + 0.5);
+    frame->notice = s->sequence == 0 && s->notice.text[0] ? s->notice.text : NULL;
     frame->info.sequence = s->sequence++;
     frame->name = s->file;
     return PUPIL_SOURCE_FRAME;
@@ -145,6 +147,7 @@ static int load(pan_source *s, pupil_why *why)
     int rc = pupil_still_load(&still, s->file, why);
     if (!rc && (rc = pupil_panorama_make(&s->panorama, &still, &words)))
         pupil_refuse(why, "%s: %s", s->file, words.text);
+    s->notice = still.notice;
     pupil_still_free(&still);
     return rc;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "jpeg_segments.h"
 #include "tiff_tags.h"
 
 /* Steps of a table of light, indexed by the square root of light. */
@@ -23,20 +24,12 @@ typedef struct bytes_of {
 static bytes_of in_jpeg(bytes_of file)
 {
     static const char mark[] = "ICC_PROFILE";
-    enum { APP2 = 0xe2, FIRST_APP = 0xe0, COMMENT = 0xfe, MARK_BYTES = sizeof mark + 2 };
-    for (size_t at = 2; file.size >= 4 && at <= file.size - 4;) {
-        const uint8_t *segment = file.at + at;
-        const size_t length = pupil_number_at(segment + 2, 2, 1);
-        const int is_table = segment[1] == 0xdb || segment[1] == 0xc4 || segment[1] == 0xdd;
-        if (segment[0] != 0xff || length < 2 || length > file.size - at - 2)
-            break;
-        if (segment[1] == APP2 && length >= 2 + MARK_BYTES && memcmp(segment + 4, mark, sizeof mark) == 0)
-            return segment[4 + sizeof mark + 1] == 1 ? (bytes_of){segment + 4 + MARK_BYTES, length - 2 - MARK_BYTES}
-                                                     : (bytes_of){NULL, 0};
-        if (!is_table && segment[1] != COMMENT && (segment[1] & 0xf0) != FIRST_APP)
-            break;
-        at += 2 + length;
-    }
+    enum { MARK_BYTES = sizeof mark + 2 };
+    pupil_jpeg_segment s;
+    for (size_t at = 0; pupil_jpeg_next_segment(file.at, file.size, &at, &s);)
+        if (s.size >= MARK_BYTES && pupil_jpeg_segment_is(&s, PUPIL_JPEG_APP2, mark, sizeof mark))
+            return s.at[sizeof mark + 1] == 1 ? (bytes_of){s.at + MARK_BYTES, s.size - MARK_BYTES}
+                                              : (bytes_of){NULL, 0};
     return (bytes_of){NULL, 0};
 }
 
@@ -64,7 +57,7 @@ static bytes_of in_tiff(bytes_of file)
 
 static bytes_of profile_of(bytes_of file)
 {
-    if (file.size >= 2 && file.at[0] == 0xff && file.at[1] == 0xd8)
+    if (pupil_is_jpeg(file.at, file.size))
         return in_jpeg(file);
     if (file.size >= 12 && memcmp(file.at, "RIFF", 4) == 0 && memcmp(file.at + 8, "WEBP", 4) == 0)
         return in_webp(file);
@@ -137,36 +130,52 @@ static void apply_tables(float (*table)[STEPS + 1], float *rgb, uint64_t pixels)
     }
 }
 
-static int apply(cmsHPROFILE p, float *rgb, uint64_t pixels, pupil_why *why)
+/* Applies the curves alone. 1: at least one differs from sRGB's; 0: they are the same, or the profile is ignored; -1:
+ * no memory. */
+static int apply_curves(cmsHPROFILE p, float *rgb, uint64_t pixels, pupil_still_colour *colour, pupil_why *why)
 {
     double to_xyz[9];
-    pupil_still_colour colour;
     if (cmsGetColorSpace(p) != cmsSigRgbData || cmsGetPCS(p) != cmsSigXYZData || !read_primaries(p, to_xyz) ||
-        !pupil_still_colour_from_icc(to_xyz, &colour))
+        !pupil_still_colour_from_icc(to_xyz, colour)) {
+        *colour = (pupil_still_colour){.convert = 0};
         return 0;
+    }
     float(*table)[STEPS + 1] = malloc(3 * sizeof *table);
     if (!table)
         return pupil_still_fail(why, "no memory for the curves of its ICC profile");
     const int curves = make_tables(p, table);
     if (curves > 0)
         apply_tables(table, rgb, pixels);
-    if (curves >= 0)
-        pupil_still_colour_apply(&colour, rgb, pixels);
+    if (curves < 0)
+        *colour = (pupil_still_colour){.convert = 0};
     free(table);
-    return curves > 0 || (curves == 0 && colour.convert);
+    return curves > 0;
 }
 
-int pupil_icc_apply_profile(const uint8_t *profile, size_t size, float *rgb, uint64_t pixels, pupil_why *why)
+static int curves_of(const uint8_t *profile, size_t size, float *rgb, uint64_t pixels, pupil_still_colour *colour,
+                     pupil_why *why)
 {
     cmsHPROFILE p = cmsOpenProfileFromMem(profile, (cmsUInt32Number)size);
-    const int result = p ? apply(p, rgb, pixels, why) : 0;
+    *colour = (pupil_still_colour){.convert = 0};
+    const int result = p ? apply_curves(p, rgb, pixels, colour, why) : 0;
     if (p)
         cmsCloseProfile(p);
     return result;
 }
 
-int pupil_icc_apply(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_why *why)
+int pupil_icc_apply_profile(const uint8_t *profile, size_t size, float *rgb, uint64_t pixels, pupil_why *why)
+{
+    pupil_still_colour colour;
+    const int curves = curves_of(profile, size, rgb, pixels, &colour, why);
+    if (curves >= 0)
+        pupil_still_colour_apply(&colour, rgb, pixels);
+    return curves < 0 ? -1 : curves || colour.convert;
+}
+
+int pupil_icc_apply_curves(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_still_colour *colour,
+                           pupil_why *why)
 {
     const bytes_of profile = profile_of((bytes_of){bytes, size});
-    return profile.at && pupil_icc_apply_profile(profile.at, profile.size, rgb, pixels, why) < 0 ? -1 : 0;
+    *colour = (pupil_still_colour){.convert = 0};
+    return profile.at && curves_of(profile.at, profile.size, rgb, pixels, colour, why) < 0 ? -1 : 0;
 }

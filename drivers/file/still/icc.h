@@ -7,12 +7,15 @@
 
 #include "still_private.h"
 
-/* Converts linear RGB pixels, which were decoded with the sRGB curve as Rec.709, by the profile in the file's bytes.
- * Does nothing where there is none, or sRGB's. 0; -1 and a sentence: no memory. */
-int pupil_icc_apply(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_why *why);
+/* Corrects linear RGB pixels, which were decoded with the sRGB curve, by the curves of the profile in the file's bytes.
+ * `colour` becomes that of its primaries, for pupil_still_colour_apply; all zero where there is no profile, or one that
+ * is ignored: then nothing is done. 0; -1 and a sentence: no memory. Without pixels it only gives the colour. */
+int pupil_icc_apply_curves(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels, pupil_still_colour *colour,
+                           pupil_why *why);
 
-/* The same with the profile itself (PNG's is compressed). 1: it is not sRGB's, and the pixels were converted; 0:
- * nothing to do, or a profile that is ignored; -1 and a sentence: no memory. Without pixels it only answers. */
+/* Curves and primaries, by the profile itself (PNG's is compressed). 1: it is not sRGB's, and the pixels were
+ * converted; 0: nothing to do, or a profile that is ignored; -1 and a sentence: no memory. Without pixels it only
+ * answers. */
 int pupil_icc_apply_profile(const uint8_t *profile, size_t size, float *rgb, uint64_t pixels, pupil_why *why);
 
 #endif

@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "file/video/video_source.h"
+#include "gain_map.h"
 #include "icc.h"
+#include "jpeg_segments.h"
 #include "refuse.h"
 #include "still_private.h"
 #include "tiff_tags.h"
@@ -81,9 +83,83 @@ static int check_tiff(const uint8_t *bytes, size_t size, pupil_why *why)
     return 0;
 }
 
+/* Of a JPEG, the bytes of its first picture: where another is close behind, libav does not take the file for a JPEG. */
+static size_t first_picture(const uint8_t *bytes, size_t size)
+{
+    pupil_jpeg_segment s;
+    size_t at = 0;
+    while (pupil_jpeg_next_segment(bytes, size, &at, &s))
+        continue;
+    return at ? pupil_jpeg_next_picture(bytes, size, at) : size;
+}
+
+/* Decodes the picture. The caller closes the source, whose frame it is, unless it is NULL. 0, or -1 and libav's words.
+ */
+static int decode(const pupil_still *still, const uint8_t *bytes, size_t size, const pupil_source_options *options,
+                  pupil_source **source, pupil_frame *frame, pupil_why *words)
+{
+    *source = NULL;
+    size = first_picture(bytes, size);
+    if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)pupil_still_most(still), options, source, words))
+        return -1;
+    return pupil_source_next(*source, frame, words) == PUPIL_SOURCE_FRAME ? 0 : -1;
+}
+
+static void leave_out_gain_map(pupil_still *still, const char *reason, const char *detail)
+{
+    pupil_still_fail(&still->notice, "is read as SDR, without its gain map: %s%s", reason, detail);
+}
+
+/* Applies a gain map to a picture that is as stored and has the primaries of `colour`. One that cannot be decoded is
+ * left out. 0, or -1 and a sentence: no memory. */
+static int apply_gain_map(pupil_still *still, const pupil_gain_map *map, pupil_still_colour *colour, pupil_why *why)
+{
+    const pupil_source_options options = {.as_stored = 1, .as_linear = 1};
+    pupil_still_colour own = {.convert = 0}, between;
+    pupil_source *source;
+    pupil_frame frame;
+    pupil_why words = {""};
+    int failed = 0;
+    if (decode(still, map->jpeg, map->jpeg_bytes, &options, &source, &frame, &words)) {
+        const char *damage = strstr(words.text, "damaged: ");
+        leave_out_gain_map(still, "the map cannot be decoded: ", damage ? damage + strlen("damaged: ") : words.text);
+    } else if (frame.image.pixel != PUPIL_PIXEL_RGB32F) {
+        leave_out_gain_map(still, "the map is no JPEG of 8 bits", "");
+    } else {
+        if (map->has_own_primaries)
+            failed = pupil_icc_apply_curves(map->jpeg, map->jpeg_bytes, NULL, 0, &own, why);
+        if (own.luminance[1] > 0) {
+            pupil_still_colour_between(colour, &own, &between);
+            pupil_still_colour_apply(&between, still->pixels, (uint64_t)still->width * still->height);
+            *colour = own;
+        }
+        failed = failed || pupil_gain_map_apply(map, &frame.image, still->pixels, still->width, still->height, why);
+    }
+    pupil_source_close(source);
+    return failed ? -1 : 0;
+}
+
+/* From what libav decoded to light, upright. */
+static int finish(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
+{
+    const uint64_t pixels = (uint64_t)still->width * still->height;
+    pupil_still_colour colour;
+    pupil_gain_map map;
+    pupil_why reason = {""};
+    if (pupil_icc_apply_curves(bytes, size, still->pixels, pixels, &colour, why))
+        return -1;
+    const int found = pupil_gain_map_find(bytes, size, &map, &reason);
+    if (found < 0)
+        leave_out_gain_map(still, reason.text, "");
+    if (found > 0 && apply_gain_map(still, &map, &colour, why))
+        return -1;
+    pupil_still_colour_apply(&colour, still->pixels, pixels);
+    return pupil_still_make_upright(still, bytes, size, why);
+}
+
 int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupil_why *why)
 {
-    /* The orientation must be applied once only: newer libav reads that of TIFF and WebP, too. */
+    /* The orientation must be applied once only: libav reads that of JPEG, newer ones that of TIFF and WebP, too. */
     const int is_turned = pupil_orientation_of(bytes, size) != 1;
     const pupil_source_options options = {.as_stored = still->as_stored || is_turned};
     pupil_source *source;
@@ -91,16 +167,14 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     pupil_why words = {""};
     if (check_tiff(bytes, size, why))
         return -1;
-    if (pupil_video_source_open_bytes(bytes, size, "", (int64_t)pupil_still_most(still), &options, &source, &words))
+    int failed = decode(still, bytes, size, &options, &source, &frame, &words);
+    if (!source)
         return pupil_refuse(why, "is not an OpenEXR, Radiance, PFM or PNG file, by its first bytes, and for libav %s",
                             strncmp(words.text, ": ", 2) == 0 ? words.text + 2 : words.text);
-    int failed = pupil_source_next(source, &frame, &words) != PUPIL_SOURCE_FRAME;
     if (failed)
         refuse_words(bytes, size, words.text, why);
     else
-        failed = take(still, &frame.image, why) ||
-                 pupil_icc_apply(bytes, size, still->pixels, (uint64_t)still->width * still->height, why) ||
-                 pupil_still_make_upright(still, bytes, size, why);
+        failed = take(still, &frame.image, why);
     pupil_source_close(source);
-    return failed ? -1 : 0;
+    return failed || finish(still, bytes, size, why) ? -1 : 0;
 }

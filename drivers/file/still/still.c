@@ -133,7 +133,10 @@ static int load(pupil_still *still, const char *path, pupil_why *why)
 int pupil_still_load(pupil_still *still, const char *path, pupil_why *why)
 {
     pupil_why reason;
-    if (load(still, path, &reason) == 0)
-        return 0;
-    return pupil_refuse(why, "%s: %s", path, reason.text);
+    if (load(still, path, &reason))
+        return pupil_refuse(why, "%s: %s", path, reason.text);
+    reason = still->notice;
+    if (reason.text[0])
+        pupil_refuse(&still->notice, "%s: %s", path, reason.text);
+    return 0;
 }

@@ -28,7 +28,9 @@
  *   demosaiced, balanced as the camera was set, 0 at black and 1 at white, upright. Exposure time and ISO are not
  *   divided out.
  * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), and by the ICC
- *   profile of JPEG, TIFF and WebP (icc.h): phones store P3.
+ *   profile of JPEG, TIFF and WebP (icc.h): phones store P3. A JPEG with a gain map (Ultra HDR, ISO 21496-1) becomes
+ * the HDR picture, in which 1.0 is the white of SDR (gain_map.h). A map that is damaged is left out, and `notice` says
+ * so.
  *
  * JPEG, TIFF, PNG and WebP come upright by their orientation (Exif), unless as_stored.
  *
@@ -59,6 +61,7 @@ typedef struct pupil_still {
     uint64_t most;       /* the limit for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
     double window[4];    /* x, y, width and height, in fractions, of the part that the file has; the rest is black. A
                           * width of 0: the whole picture */
+    pupil_why notice;    /* what of the file could not be used, though its picture can; "": nothing */
     double exposure_s;   /* 0: in all four formats the pixel values are scene light already */
     uint8_t *file;       /* the file's bytes while it is read; kept and reused by the next pupil_still_load */
     size_t file_capacity_bytes;

@@ -152,6 +152,30 @@ void pupil_still_colour_from_xyz(pupil_still_colour *colour)
         colour->to_709[i] = (float)from_xyz[i];
 }
 
+static void matrix_of(const pupil_still_colour *colour, double matrix[9])
+{
+    for (int i = 0; i < 9; i++)
+        matrix[i] = colour->convert ? (double)colour->to_709[i] : i % 4 == 0;
+}
+
+/* A matrix without an inverse, of primaries nearly in a line, leaves the pixels as they are. */
+void pupil_still_colour_between(const pupil_still_colour *from, const pupil_still_colour *to,
+                                pupil_still_colour *between)
+{
+    double forth[9], back[9], inverse[9], step[9];
+    matrix_of(from, forth);
+    matrix_of(to, back);
+    *between = (pupil_still_colour){.convert = 0};
+    if (!invert(back, inverse))
+        return;
+    multiply(inverse, forth, step);
+    for (int i = 0; i < 9; i++) {
+        between->to_709[i] = (float)step[i];
+        if (fabs(step[i] - (i % 4 == 0)) > IDENTITY_TOLERANCE)
+            between->convert = 1;
+    }
+}
+
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels)
 {
     const float *m = colour->to_709;

@@ -36,6 +36,10 @@ void pupil_still_colour_from_xyz(pupil_still_colour *colour);
  * white. */
 int pupil_still_colour_from_icc(const double to_xyz[9], pupil_still_colour *colour);
 
+/* From the primaries of one colour to those of another. */
+void pupil_still_colour_between(const pupil_still_colour *from, const pupil_still_colour *to,
+                                pupil_still_colour *between);
+
 /* Converts RGB float pixels in place, where needed. */
 void pupil_still_colour_apply(const pupil_still_colour *colour, float *rgb, uint64_t pixels);
 

@@ -39,6 +39,7 @@ static int stills_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     frame->info.timestamp_ns = llround((double)index * 1e9 / source->fps);
     frame->info.sequence = index;
     frame->name = s->paths.path[index];
+    frame->notice = s->still.notice.text[0] ? s->still.notice.text : NULL;
     memcpy(frame->window, s->still.window, sizeof frame->window);
     return PUPIL_SOURCE_FRAME;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "file/video/video_turn.h"
+#include "jpeg_segments.h"
 #include "tiff_tags.h"
 
 /* Exif begins as a TIFF; some programs put this in front of it, as in JPEG. */
@@ -18,6 +19,17 @@ static uint32_t orientation_in(const uint8_t *exif, size_t size)
         size -= sizeof exif_mark;
     }
     return pupil_tiff_find(exif, size, ORIENTATION, &value) && value >= 1 && value <= 8 ? value : 1;
+}
+
+/* Of several Exif segments the last, as libav takes it. */
+static uint32_t orientation_of_jpeg(const uint8_t *bytes, size_t size)
+{
+    uint32_t orientation = 1;
+    pupil_jpeg_segment s;
+    for (size_t at = 0; pupil_jpeg_next_segment(bytes, size, &at, &s);)
+        if (pupil_jpeg_segment_is(&s, PUPIL_JPEG_APP1, (const char *)exif_mark, sizeof exif_mark))
+            orientation = orientation_in(s.at, s.size);
+    return orientation;
 }
 
 /* Chunks of PNG: length, name, data, checksum. */
@@ -50,6 +62,8 @@ static uint32_t orientation_of_webp(const uint8_t *bytes, size_t size)
 
 uint32_t pupil_orientation_of(const uint8_t *bytes, size_t size)
 {
+    if (pupil_is_jpeg(bytes, size))
+        return orientation_of_jpeg(bytes, size);
     if (size >= 8 && memcmp(bytes, "\x89PNG\r\n\x1a\n", 8) == 0)
         return orientation_of_png(bytes, size);
     if (size >= 12 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0)

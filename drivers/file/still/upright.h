@@ -8,8 +8,8 @@
 #include "pupil/error.h"
 #include "still.h"
 
-/* The orientation (TIFF 6.0, tag 274) of a TIFF, or of the Exif of a PNG or WebP: 1 to 8. 1, as stored, where there is
- * none. For JPEG libav gives it, as a matrix. */
+/* The orientation (TIFF 6.0, tag 274) of a TIFF, or of the Exif of a JPEG, PNG or WebP: 1 to 8. 1, as stored, where
+ * there is none. */
 uint32_t pupil_orientation_of(const uint8_t *bytes, size_t size);
 
 /* Makes a still upright that was read from these bytes, unless still->as_stored. 0, or -1 and a sentence. */

@@ -119,6 +119,32 @@ exit(abs($(metered linear.jsonl) - math.log2(code)) > 0.01)" ||
         fail "$kind: grey at $(metered grey.jsonl) EV is at $(metered linear.jsonl) by a linear profile"
 done
 
+# a JPEG with a gain map is brighter by its stops; without the map, or with a damaged one, a message says why it is not
+python3 - <<'END'
+import struct
+jpeg = open("grey.jpg", "rb").read()
+def with_xmp(properties):
+    xmp = b'http://ns.adobe.com/xap/1.0/\0<x xmlns:hdrgm="http://ns.adobe.com/hdr-gain-map/1.0/" ' + properties + b"/>"
+    return jpeg[:2] + b"\xff\xe1" + struct.pack(">H", len(xmp) + 2) + xmp + jpeg[2:]
+first = with_xmp(b'hdrgm:Version="1.0"')
+stops = b'hdrgm:Version="1.0" hdrgm:GainMapMin="%s" hdrgm:GainMapMax="2" hdrgm:OffsetSDR="0" hdrgm:OffsetHDR="0"'
+open("gain.jpg", "wb").write(first + with_xmp(stops % b"2"))
+open("damaged.jpg", "wb").write(first + with_xmp(stops % b"two"))
+open("left-out.jpg", "wb").write(first)
+END
+for kind in grey gain; do
+    expect 0 "" replay $kind.jpg -q --stats $kind.jsonl -y
+done
+for kind in damaged left-out; do
+    expect 0 "pupil replay: $kind.jpg: is read as SDR, without its gain map: i" replay $kind.jpg -q --stats $kind.jsonl -y
+done
+python3 -c "exit(abs($(metered gain.jsonl) - $(metered grey.jsonl) - 2) > 1e-4)" ||
+    fail "with a gain of 2 stops $(metered gain.jsonl), not $(metered grey.jsonl) + 2"
+for kind in damaged left-out; do
+    [ "$(metered $kind.jsonl)" = "$(metered grey.jsonl)" ] || fail "$kind.jpg: $(metered $kind.jsonl)"
+done
+expect 0 "damaged.jpg: is read as SDR, without its gain map: its metadata have no GainMapMin" meter damaged.jpg -q --range 0..1 -o damaged.part
+
 # what the data window of OpenEXR leaves of the picture is not metered: the level is that of --roi
 ffmpeg -v error -nostdin -i in/png-64x36.png -pix_fmt gbrpf32le whole.exr || skip "ffmpeg writes no EXR"
 python3 - <<'END'

@@ -66,9 +66,11 @@ static inline uint64_t each_call_digest(const char *path)
 static inline int each_call_frames(pupil_source *source, uint64_t *digest, pupil_why *why)
 {
     pupil_frame frame;
-    int got;
+    int got, noticed = 0;
     while ((got = pupil_source_next(source, &frame, why)) == PUPIL_SOURCE_FRAME) {
         const pupil_image_const *image = &frame.image;
+        if (frame.notice) /* it may be another picture */
+            noticed = snprintf(why->text, sizeof why->text, "%s", frame.notice);
         for (uint32_t y = 0; y < image->height; y++)
             *digest = each_call_mix(*digest, (const char *)image->data + (ptrdiff_t)y * image->stride_bytes,
                                     pupil_row_bytes(image->pixel, image->width));
@@ -76,7 +78,7 @@ static inline int each_call_frames(pupil_source *source, uint64_t *digest, pupil
         pupil_source_done(source, &frame);
     }
     pupil_source_close(source);
-    return got == PUPIL_SOURCE_END ? 0 : -1;
+    return got == PUPIL_SOURCE_END && !noticed ? 0 : -1;
 }
 
 static inline void each_call_clear(const each_call *c)

@@ -6,6 +6,7 @@
 #include "file/file_source.h"
 #include "raw/raw_source.h"
 #include "write_exr.h"
+#include "write_gain_map.h"
 
 static int act_read(const each_call *c, uint64_t *digest, pupil_why *why)
 {
@@ -50,6 +51,18 @@ static void file_in(const each_call *c)
     fclose(file);
 }
 
+static void make_gain_map(void)
+{
+    static bytes made;
+    const gain_map_file f = {.base = {16, 8, 3, 1, 1, .standard_tables = 1},
+                             .map = {8, 8, 1, 1, 1, .standard_tables = 1},
+                             .xmp = "hdrgm:GainMapMax=\"3\">",
+                             .index = 'M',
+                             .orientation = 6};
+    write_gain_map(&f, &made);
+    clip_store(scratch("gain_map.jpg"), made.data, made.size);
+}
+
 /* Luma and chroma, half of it between the pixels; and tiles. */
 static void make_exr(void)
 {
@@ -86,6 +99,7 @@ static void make_inputs(void)
     input_write(scratch("a.y4m"), 0, 2);
     input_dng(scratch("a.dng"));
     make_exr();
+    make_gain_map();
     CHECK(input_clip(scratch("a.mkv"), "matroska", "ffv1", AV_PIX_FMT_YUV420P10));
     CHECK(input_clip(scratch("turned.mkv"), "matroska", "ffv1", AV_PIX_FMT_GRAY8));
     CHECK(input_clip(scratch("mosaic.nut"), "nut", "rawvideo", AV_PIX_FMT_BAYER_RGGB16LE));
@@ -117,6 +131,7 @@ int main(int argc, char **argv)
     const each_call all[] = {
         {.name = "PNG", .act = act_read, .path = scratch("a.png")},
         {.name = "JPEG", .act = act_read, .path = scratch("a.jpg")},
+        {.name = "JPEG with a gain map", .act = act_read, .path = scratch("gain_map.jpg")},
         {.name = "TIFF", .act = act_read, .path = scratch("a.tif")},
         {.name = "EXR", .act = act_read, .path = scratch("a.exr")},
         {.name = "EXR of luma and chroma", .act = act_read, .path = scratch("luma.exr")},

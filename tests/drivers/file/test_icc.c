@@ -5,86 +5,17 @@
 #include <math.h>
 
 #include "check.h"
-
-enum { MOST = 4000 };
-
-typedef struct text {
-    uint8_t at[MOST];
-    size_t size;
-} text;
+#include "write_icc.h"
 
 static pupil_why why;
 
-static void put(text *t, uint32_t value, int bytes)
+/* Curves and primaries, as pupil_read_libav applies them. */
+static int apply(const uint8_t *bytes, size_t size, float *rgb, uint64_t pixels)
 {
-    for (int i = bytes; i-- > 0;)
-        t->at[t->size++] = (uint8_t)(value >> 8 * i);
-}
-
-static void put_name(text *t, const char *name)
-{
-    memcpy(t->at + t->size, name, strlen(name));
-    t->size += strlen(name);
-}
-
-static void put_fixed(text *t, double value)
-{
-    put(t, (uint32_t)lround(value * 65536), 4);
-}
-
-/* A curve as its tag has it. */
-typedef struct curve {
-    int kind; /* of a parametric one; -1: of a table, or of one number, or of none */
-    double numbers[7];
-    int count;
-} curve;
-
-static void put_curve(text *t, const curve *c)
-{
-    put_name(t, c->kind < 0 ? "curv" : "para");
-    put(t, 0, 4);
-    if (c->kind < 0)
-        put(t, (uint32_t)c->count, 4);
-    else
-        put(t, (uint32_t)c->kind << 16, 4);
-    for (int i = 0; i < c->count; i++) {
-        if (c->kind >= 0)
-            put_fixed(t, c->numbers[i]);
-        else
-            put(t, (uint32_t)lround(c->numbers[i] * (c->count == 1 ? 256 : 65535)), 2);
-    }
-    while (t->size % 4)
-        put(t, 0, 1);
-}
-
-/* A profile of a display: the primaries as columns of XYZ under D50, and one curve for all. */
-static text profile_of(const double xyz[9], const curve *c)
-{
-    static const char *const names[] = {"rXYZ", "gXYZ", "bXYZ", "rTRC", "gTRC", "bTRC"};
-    enum { TAGS = 6, FIRST = 132 + 12 * TAGS };
-    text t = {.size = 12}, tail = {.size = 0};
-    put_name(&t, "mntrRGB XYZ ");
-    t.size = 36;
-    put_name(&t, "acsp");
-    t.size = 128;
-    put(&t, TAGS, 4);
-    put_curve(&tail, c);
-    for (int i = 0; i < TAGS; i++) {
-        put_name(&t, names[i]);
-        put(&t, (uint32_t)(i < 3 ? FIRST + 20 * i : FIRST + 60), 4);
-        put(&t, i < 3 ? 20 : (uint32_t)tail.size, 4);
-    }
-    for (int i = 0; i < 3; i++) {
-        put_name(&t, "XYZ ");
-        put(&t, 0, 4);
-        for (int r = 0; r < 3; r++)
-            put_fixed(&t, xyz[3 * r + i]);
-    }
-    memcpy(t.at + t.size, tail.at, tail.size);
-    t.size += tail.size;
-    for (int i = 0; i < 4; i++)
-        t.at[i] = (uint8_t)(t.size >> (24 - 8 * i));
-    return t;
+    pupil_still_colour colour;
+    const int failed = pupil_icc_apply_curves(bytes, size, rgb, pixels, &colour, &why);
+    pupil_still_colour_apply(&colour, rgb, pixels);
+    return failed;
 }
 
 typedef enum place { IN_JPEG, IN_WEBP, IN_TIFF, PLACES } place;
@@ -125,18 +56,13 @@ static text file_of(const text *profile, place where)
     return f;
 }
 
-/* As the chapters of ICC.1:2010 and the registry of the ICC have them. */
-static const double p3[9] = {0.51512, 0.29198, 0.15710, 0.24120, 0.69225, 0.06657, -0.00105, 0.04189, 0.78407};
-static const double srgb[9] = {0.43607, 0.38515, 0.14307, 0.22249, 0.71687, 0.06061, 0.01392, 0.09708, 0.71410};
-static const curve of_srgb = {3, {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045}, 5};
-
 static void check_pixel(const double xyz[9], const curve *c, const float in[3], const double out[3], double slack)
 {
     const text profile = profile_of(xyz, c);
     for (int where = 0; where < PLACES; where++) {
         const text file = file_of(&profile, where);
         float rgb[6] = {in[0], in[1], in[2], 1, 1, 1};
-        CHECK(pupil_icc_apply(file.at, file.size, rgb, 2, &why) == 0);
+        CHECK(apply(file.at, file.size, rgb, 2) == 0);
         for (int i = 0; i < 3; i++)
             CHECK_MSG(fabs(rgb[i] - out[i]) <= slack, "in %d: channel %d is %g, not %g", where, i, (double)rgb[i],
                       out[i]);
@@ -171,7 +97,7 @@ static void test_curves(void)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const text profile = profile_of(srgb, &cases[i].c), file = file_of(&profile, IN_JPEG);
         float rgb[3] = {in, in, in};
-        CHECK(pupil_icc_apply(file.at, file.size, rgb, 1, &why) == 0);
+        CHECK(apply(file.at, file.size, rgb, 1) == 0);
         for (int c = 0; c < 3; c++)
             CHECK_MSG(fabs(rgb[c] - cases[i].light) < 2e-4, "case %zu: %g, not %g", i, (double)rgb[c], cases[i].light);
     }
@@ -193,7 +119,7 @@ static void test_left_out(void)
         if (k == 6)
             file.at[8 + 4 + 12 + 1] = 2; /* of two segments */
         float rgb[3] = {in[0], in[1], in[2]};
-        CHECK(pupil_icc_apply(file.at, file.size, rgb, 1, &why) == 0);
+        CHECK(apply(file.at, file.size, rgb, 1) == 0);
         CHECK_MSG(memcmp(rgb, in, sizeof rgb) == 0, "case %zu: %g %g %g", k, (double)rgb[0], (double)rgb[1],
                   (double)rgb[2]);
     }
@@ -212,7 +138,7 @@ static void test_damage(void)
             memcpy(copy, file.at, size);
             if (k >= file.size)
                 copy[k % file.size] = (uint8_t)(check_uniform() * 256);
-            CHECK(pupil_icc_apply(copy, size, rgb, 1, &why) == 0);
+            CHECK(apply(copy, size, rgb, 1) == 0);
             CHECK(isfinite(rgb[0]) && isfinite(rgb[1]) && isfinite(rgb[2]));
             free(copy);
         }

@@ -50,14 +50,14 @@ static inline void flat_bits(flat_writer *w, uint32_t value, uint32_t count)
     }
 }
 
-static inline void flat_segment(flat_writer *w, uint32_t marker, const uint8_t *content, size_t bytes)
+static inline void flat_segment(flat_writer *w, uint32_t marker, const uint8_t *content, size_t size)
 {
     flat_byte(w, 0xff);
     flat_byte(w, marker);
-    flat_byte(w, (uint32_t)(bytes + 2) >> 8);
-    flat_byte(w, (uint32_t)(bytes + 2) & 0xff);
-    memcpy(w->to + w->used, content, bytes);
-    w->used += bytes;
+    flat_byte(w, (uint32_t)(size + 2) >> 8);
+    flat_byte(w, (uint32_t)(size + 2) & 0xff);
+    memcpy(w->to + w->used, content, size);
+    w->used += size;
 }
 
 /* Lengths of the codes of K.3's table of DC differences, in order: 2, five of 3, then one of each up to 9. */
