@@ -41,7 +41,7 @@ long) selection= && more=$packages_of_long_tests ;;
 esac
 
 install_missing "$packages_of_the_program
-libclang-rt-14-dev what clang links for sanitizers and libFuzzer
+libclang-rt-dev what clang links for sanitizers and libFuzzer
 clang-format checks the style
 git lists the files whose style is checked
 gcc-aarch64-linux-gnu builds for 64-bit ARM

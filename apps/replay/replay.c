@@ -299,7 +299,8 @@ int replay_main(int argc, char **argv)
 {
     static replay r; /* one run per process; pupil_t and pupil_stats are too large for a stack */
     session *s = &r.session;
-    char command[4096], by[800];
+    static char command[4096]; /* r keeps its address */
+    char by[800];
     s->command = "pupil replay";
     s->options = &r.options;
     command_line(command, sizeof command, argc, argv); /* before parsing reorders argv */

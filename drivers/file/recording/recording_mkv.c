@@ -55,7 +55,14 @@ struct pupil_mkv_writer {
     uint64_t next_entry;
 };
 
-static int put_bytes(void *opaque, uint8_t *bytes, int size)
+/* From FFmpeg 7 on (libavformat 61), the bytes to be written are const. */
+#if LIBAVFORMAT_VERSION_MAJOR < 61
+#define WRITTEN
+#else
+#define WRITTEN const
+#endif
+
+static int put_bytes(void *opaque, WRITTEN uint8_t *bytes, int size)
 {
     pupil_mkv_writer *w = opaque;
     if (!w->error && pupil_write_all(w->fd, bytes, (size_t)size))

@@ -4,6 +4,12 @@
 
 #include <libavcodec/avcodec.h>
 #include <libavutil/avconfig.h>
+#include <libavutil/pixdesc.h>
+
+/* FFmpeg 6 (libavutil 58) has moved it to libavutil, FFmpeg 7 has removed the old one. */
+#if LIBAVUTIL_VERSION_MAJOR < 58
+#define av_chroma_location_enum_to_pos avcodec_enum_to_chroma_pos
+#endif
 
 /* Offset of the first chroma sample from the first luma sample, in luma samples: half a chroma sample's distance where
  * it is in the centre (position 128 in libav's terms). */
@@ -15,7 +21,7 @@ static double chroma_offset(int position, int shift)
 void pupil_video_set_chroma(pupil_video_pixels *p, int location)
 {
     int x_position = 0, y_position = 0;
-    if (avcodec_enum_to_chroma_pos(&x_position, &y_position, (enum AVChromaLocation)location))
+    if (av_chroma_location_enum_to_pos(&x_position, &y_position, (enum AVChromaLocation)location))
         x_position = 0;
     int shift = p->format->log2_chroma_w;
     double offset = chroma_offset(x_position, shift);
@@ -43,7 +49,7 @@ pupil_video_chroma_rows pupil_video_chroma_rows_at(const pupil_video_pixels *p, 
     const int shift = p->format->log2_chroma_h, height = AV_CEIL_RSHIFT(f->height, shift);
     int x_position = 0, y_position = 128;
     if (f->chroma_location != AVCHROMA_LOC_UNSPECIFIED)
-        avcodec_enum_to_chroma_pos(&x_position, &y_position, f->chroma_location);
+        av_chroma_location_enum_to_pos(&x_position, &y_position, f->chroma_location);
     const double at = ldexp(y - chroma_offset(y_position, shift), -shift);
     const int first = (int)floor(at);
     return (pupil_video_chroma_rows){.upper = first < 0 ? 0 : first,
