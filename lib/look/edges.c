@@ -35,8 +35,9 @@ static void find(const around *r, size_t i, size_t end, size_t n, size_t step, i
         found[k - i] = is_edge(r, k - step, k, k, least);
 }
 
-static uint64_t mark_row(const around *r, uint32_t width, size_t step, int32_t least, const uint8_t colour[3],
-                         uint8_t *out)
+/* Not inlined, so that its block and the caller's images are not in one stack frame. */
+static __attribute__((noinline)) uint64_t mark_row(const around *r, uint32_t width, size_t step, int32_t least,
+                                                   const uint8_t colour[3], uint8_t *out)
 {
     const size_t n = width * step, part = BLOCK / step * step;
     uint8_t found[BLOCK];
