@@ -1,5 +1,5 @@
 #!/bin/sh
-# demo.sh: on a bare Debian 12, installs what is missing, builds pupil, renders the room and replays it. It leaves
+# demo.sh: on a bare Debian 12 or 13, installs what is missing, builds pupil, renders the room and replays it. It leaves
 # report/index.html and out/pupil.html, to be opened in a browser, and out/room.mp4.
 set -eu
 cd "$(dirname "$0")"

@@ -6,6 +6,23 @@ use_pupil
 needs ffmpeg ffprobe
 
 # say FILE ENTRIES: these entries of its streams, a line each
+# turn ANGLE FROM TO: clockwise. FFmpeg 6 has an option for it, FFmpeg 7 no longer takes the metadata.
+turn() {
+    if ffmpeg -hide_banner -h full 2>&1 | grep -q -- -display_rotation; then
+        ffmpeg -v error -nostdin -y -display_rotation:v:0 "-$1" -i "$2" -c copy "$3"
+    else
+        ffmpeg -v error -nostdin -y -i "$2" -c copy -metadata:s:v:0 rotate="$1" "$3"
+    fi
+}
+# in_mp4_or_named WORDS FROM TO: an mp4 has the sound, as FFmpeg 6 and later write it, or a sentence says that it has not
+in_mp4_or_named() {
+    expect 0 "" replay "$2" -o "$3"
+    if [ "$(say "$3" stream=codec_type | wc -l)" = 2 ]; then
+        ! grep -q "without its sound" said.err || fail "$3 has the sound, and says: $(cat said.err)"
+    else
+        grep -qF -- "$1" said.err || fail "$3: no '$1' in: $(cat said.err)"
+    fi
+}
 say() { ffprobe -v error -show_entries "$2" -of csv=p=0 "$1"; }
 
 ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=2 -f lavfi -i "sine=f=440:d=2,volume=0.5" -c:v libx264 -pix_fmt yuv420p \
@@ -13,7 +30,7 @@ ffmpeg -v error -nostdin -f lavfi -i testsrc2=s=96x64:r=25:d=2 -f lavfi -i "sine
 
 # upright, as ffmpeg turns them; --no-rotate leaves them
 for angle in 90 180 270; do
-    ffmpeg -v error -nostdin -y -i land.mp4 -c copy -metadata:s:v:0 rotate=$angle turned.mp4
+    turn $angle land.mp4 turned.mp4
     expect 0 "" replay turned.mp4 -q -n 1 -o turned.png -y
     ffmpeg -v error -nostdin -y -i turned.mp4 -frames:v 1 want.png
     [ "$(say turned.png stream=width,height)" = "$(say want.png stream=width,height)" ] || fail "$angle degrees: another size"
@@ -57,7 +74,7 @@ expect 0 "a.y4m is without its sound: Y4M has none" replay land.mp4 -o a.y4m
 expect 0 "--hold changes the pace" replay land.mp4 --hold 2 -o held.mp4
 [ "$(say held.mp4 stream=codec_type)" = video ] || fail "--hold has sound"
 ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a pcm_s16le pcm.mov
-expect 0 "b.mp4 is without its sound: mp4 has no place for pcm_s16le" replay pcm.mov -o b.mp4
+in_mp4_or_named "b.mp4 is without its sound: mp4 has no place for pcm_s16le" pcm.mov b.mp4
 expect 0 "" replay pcm.mov -o b.mov
 [ "$(say b.mov stream=codec_type | wc -l)" = 2 ] || fail "pcm in .mov is left out"
 "$program" replay - -o piped.mkv <whole.mkv 2>said.err || fail "stdin: $(cat said.err)"
@@ -66,7 +83,7 @@ mkfifo pipe
 cat whole.mkv >pipe &
 expect 0 "fifo.mkv is without its sound: a pipe is read once" replay pipe -o fifo.mkv
 ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a flac flac.mkv
-expect 0 "d.mp4 is without its sound: mp4 has no place for flac; a .mkv has" replay flac.mkv -o d.mp4
+in_mp4_or_named "d.mp4 is without its sound: mp4 has no place for flac; a .mkv has" flac.mkv d.mp4
 ffmpeg -v error -nostdin -i land.mp4 -c:v copy -c:a pcm_mulaw mulaw.mkv
 expect 0 "" replay mulaw.mkv -o d.mkv
 [ "$(say d.mkv stream=codec_name)" = "$(printf 'h264\npcm_mulaw')" ] || fail "mu-law in .mkv is left out"
@@ -82,7 +99,7 @@ frames=$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of 
 
 # non-square pixels, also with a rotated picture
 ffmpeg -v error -nostdin -i silent.mp4 -c:v libx264 -vf setsar=16/15 wide.mp4
-ffmpeg -v error -nostdin -i wide.mp4 -c copy -metadata:s:v:0 rotate=90 tall.mp4
+turn 90 wide.mp4 tall.mp4
 expect 0 "" replay wide.mp4 -q -o shown.mkv
 [ "$(say shown.mkv stream=sample_aspect_ratio)" = 16:15 ] || fail "wide: $(say shown.mkv stream=sample_aspect_ratio)"
 expect 0 "" replay tall.mp4 -q -o shown.mp4
