@@ -64,6 +64,10 @@ fi
 for file in "$new"/*.deb; do
     dpkg-deb -x "$file" "$new/kernel"
 done
+# From Debian 13 on packages have all of it in usr.
+for name in bin lib; do
+    [ -e "$new/kernel/$name" ] || ln -s "usr/$name" "$new/kernel/$name"
+done
 release=$(ls "$new/kernel/lib/modules")
 depmod -b "$new/kernel" "$release"
 
@@ -74,7 +78,7 @@ for module in $modules; do
     modprobe -d "$new/kernel" -S "$release" --show-depends "$module" >>"$new/depends.modules"
 done
 awk '$1 == "insmod" && !seen[$2]++ { print $2 }' "$new/depends.modules" | while read -r file; do
-    name=${file#"$from/"}
+    name=${file#*"/lib/modules/$release/"}
     mkdir -p "$to/$(dirname "$name")"
     case $file in
     *.xz) xz -dc "$file" >"$to/${name%.xz}" ;;
