@@ -35,10 +35,6 @@ endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wvla
   $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes> $<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes>)
-# Sizes and counts are enumerators; clang from 19 on warns where one of them meets a float.
-if(CMAKE_C_COMPILER_ID MATCHES "Clang")
-  add_compile_options(-Wno-enum-float-conversion -Wno-enum-enum-conversion)
-endif()
 if(PUPIL_WERROR)
   add_compile_options(-Werror)
 endif()
@@ -63,9 +59,13 @@ if(PUPIL_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
-# Conversions are spelled out in what ships. Tests shuffle bits, and may convert silently.
+# Conversions are spelled out in what ships. Tests shuffle bits, and may convert silently. Sizes and counts are
+# enumerators; clang from 19 on would warn where one of them meets a float.
 function(pupil_ships target)
   target_compile_options(${target} PRIVATE -Wconversion -Wno-sign-conversion -Wno-float-conversion)
+  if(CMAKE_C_COMPILER_ID MATCHES "Clang")
+    target_compile_options(${target} PRIVATE -Wno-enum-float-conversion -Wno-enum-enum-conversion)
+  endif()
 endfunction()
 
 # For code that reads files and devices (not lib, which calls nothing): stack protectors, size checks in the C library's
