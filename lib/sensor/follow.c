@@ -73,12 +73,12 @@ void pupil_sensor_count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
-    s->since = s->since + a->gap < SENSOR_RING ? s->since + a->gap : SENSOR_RING;
+    s->since = s->since + a->gap < SENSOR_PINNED_FRAMES ? s->since + a->gap : SENSOR_PINNED_FRAMES;
     s->looks += s->looks < SENSOR_RING;
     if (o->setting.frames == 1 && (a->in_force[0] != a->requested[0] || a->in_force[1] != a->requested[1]))
         s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
     if (size_of(o->plan.wanted - s->blunt_wanted) > SENSOR_WRONG_EV) {
-        s->is_blunt = s->swaps = 0;
+        s->is_blunt = s->swaps = s->is_restored = 0;
         s->blunt_wanted = o->plan.wanted;
     }
 }
@@ -121,6 +121,20 @@ static int is_left_alone(const pupil_sensor_object *o, double total, double need
     return is_near && !o->search.is_exchanging && !o->search.is_searching && is_much_for_little(o, setting, need);
 }
 
+/* Whether a setting far from the profile has held back highlights for long: more gain makes more noise, and noise
+ * counts as highlights. In each light the profile is tried again once. */
+static int is_noisy(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    double e, g;
+    if (s->is_restored || s->since < SENSOR_PINNED_FRAMES || o->plan.held_back_ev < SENSOR_SETTLED_EV ||
+        o->estimate.noise_ev < SENSOR_CALM_EV)
+        return 0;
+    pupil_sensor_split_freely(o, o->estimate.requested[0] + o->estimate.requested[1], &e, &g);
+    s->is_restored = pupil_log2(o->setting.gain / g) > 2.0 * SENSOR_EXCHANGE_EV;
+    return (int)s->is_restored;
+}
+
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
 {
     sensor_search *s = &o->search;
@@ -152,6 +166,10 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     if (!is_still && !pupil_sensor_is_pending(o)) {
         const double left = pupil_sensor_left_of(s->set, o->estimate.requested);
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
+        if (is_noisy(o)) {
+            s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = 0;
+            s->is_exchanging = 1;
+        }
         pupil_sensor_search_on(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
         if (is_due(o, need, left))

@@ -170,7 +170,7 @@ typedef struct sensor_search {
     double wrong_ev;     /* the error when it last shrank */
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times; /* since then; doubts so far */
-    uint32_t since;                     /* frames since the setting was last changed, at most SENSOR_RING */
+    uint32_t since;                     /* frames since the setting was last changed, at most SENSOR_PINNED_FRAMES */
     uint32_t looks;                     /* the same without lost frames */
     uint32_t is_large;                  /* the last change was large, and is not evaluated yet */
     uint32_t is_blunt;   /* small steps did not do what was expected in this light: the digital factor does them */
@@ -181,10 +181,12 @@ typedef struct sensor_search {
     double jump_ev;                 /* the camera jumps by so much near jump_total; 0: no jump is known */
     double jump_total;
     uint32_t is_searching, is_resting;
-    uint32_t unanswered;    /* large steps in a row that did nothing */
-    uint32_t deaf;          /* the same, not reset by a doubt; at most 2 */
-    uint32_t weak;          /* the same that did less than expected; at most 2 */
-    uint32_t next;          /* the point that is overwritten next */
+    uint32_t unanswered;  /* large steps in a row that did nothing */
+    uint32_t deaf;        /* the same, not reset by a doubt; at most 2 */
+    uint32_t weak;        /* the same that did less than expected; at most 2 */
+    uint32_t next;        /* the point that is overwritten next */
+    uint32_t is_restored; /* the profile was tried again in this light */
+    uint32_t reserved;
     uint32_t is_exchanging; /* one control is exchanged for the other in parts */
     sensor_point point[SENSOR_POINTS];
 } sensor_search;
@@ -344,6 +346,8 @@ double pupil_sensor_longest_exposure(const pupil_sensor_config *config);
 
 /* split.c: an exposure and a gain that the camera has, for a total. */
 void pupil_sensor_split(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
+/* ... regardless of what a search has pinned. */
+void pupil_sensor_split_freely(const pupil_sensor_object *object, double total, double *exposure_s, double *gain);
 /* The darkest and the brightest setting, log2, regardless of what a search has pinned. */
 void pupil_sensor_ends(const pupil_sensor_object *object, double darkest[SENSOR_CONTROLS],
                        double brightest[SENSOR_CONTROLS]);

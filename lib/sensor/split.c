@@ -262,8 +262,7 @@ void pupil_sensor_split(const pupil_sensor_object *o, double total_log2, double 
     *exposure_s = pupil_sensor_told_ask(o, *exposure_s);
 }
 
-/* The setting at an end of the path, with nothing pinned. */
-static void end_of(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
+void pupil_sensor_split_freely(const pupil_sensor_object *o, double total_log2, double *exposure_s, double *gain)
 {
     static const uint32_t none[SENSOR_CONTROLS] = {0, 0};
     split(o, none, total_log2, exposure_s, gain);
@@ -272,10 +271,10 @@ static void end_of(const pupil_sensor_object *o, double total_log2, double *expo
 void pupil_sensor_ends(const pupil_sensor_object *o, double darkest[SENSOR_CONTROLS], double brightest[SENSOR_CONTROLS])
 {
     double e, g;
-    end_of(o, -SENSOR_TOTAL_END_EV, &e, &g);
+    pupil_sensor_split_freely(o, -SENSOR_TOTAL_END_EV, &e, &g);
     darkest[0] = pupil_log2(pupil_sensor_told(o, e));
     darkest[1] = pupil_log2(g);
-    end_of(o, SENSOR_TOTAL_END_EV, &e, &g);
+    pupil_sensor_split_freely(o, SENSOR_TOTAL_END_EV, &e, &g);
     brightest[0] = pupil_log2(pupil_sensor_told(o, e));
     brightest[1] = pupil_log2(g);
 }
@@ -285,7 +284,7 @@ uint32_t pupil_sensor_limits(const pupil_sensor_object *o)
     const pupil_sensor_config *c = &o->config;
     double most_s, gain;
     uint32_t limits = 0;
-    end_of(o, SENSOR_TOTAL_END_EV, &most_s, &gain);
+    pupil_sensor_split_freely(o, SENSOR_TOTAL_END_EV, &most_s, &gain);
     if (c->exposure_mode == PUPIL_SENSOR_AUTO) {
         limits |=
             o->setting.exposure_s <= c->exposure_min_s * (1.0 + SENSOR_ROUND) ? 1u << PUPIL_SENSOR_AT_EXPOSURE_MIN : 0;
