@@ -123,16 +123,15 @@ static int is_left_alone(const pupil_sensor_object *o, double total, double need
 
 /* Whether a setting far from the profile has held back highlights for long: more gain makes more noise, and noise
  * counts as highlights. In each light the profile is tried again once. */
-static int is_noisy(pupil_sensor_object *o)
+static int is_noisy(const pupil_sensor_object *o)
 {
-    sensor_search *s = &o->search;
+    const sensor_search *s = &o->search;
     double e, g;
     if (s->is_restored || s->since < SENSOR_PINNED_FRAMES || o->plan.held_back_ev < SENSOR_SETTLED_EV ||
         o->estimate.noise_ev < SENSOR_CALM_EV)
         return 0;
     pupil_sensor_split_freely(o, o->estimate.requested[0] + o->estimate.requested[1], &e, &g);
-    s->is_restored = pupil_log2(o->setting.gain / g) > 2.0 * SENSOR_EXCHANGE_EV;
-    return (int)s->is_restored;
+    return pupil_log2(o->setting.gain / g) > 2.0 * SENSOR_EXCHANGE_EV;
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
@@ -168,7 +167,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
         if (is_noisy(o)) {
             s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = 0;
-            s->is_exchanging = 1;
+            s->is_exchanging = s->is_restored = 1;
         }
         pupil_sensor_search_on(o, need);
         s->total = s->set + (s->is_searching ? 0.0 : need - left);
