@@ -29,8 +29,8 @@
  *   divided out.
  * - JPEG, TIFF, WebP, BMP and what else libav reads as a picture: as a video's frame (video_pixels.h), and by the ICC
  *   profile of JPEG, TIFF and WebP (icc.h): phones store P3. A JPEG with a gain map (Ultra HDR, ISO 21496-1) becomes
- * the HDR picture, in which 1.0 is the white of SDR (gain_map.h). A map that is damaged is left out, and `notice` says
- * so.
+ *   the HDR picture, in which 1.0 is the white of SDR (gain_map.h). A map that is damaged is left out, and `notice`
+ *   says so.
  *
  * JPEG, TIFF, PNG and WebP come upright by their orientation (Exif), unless as_stored.
  *
