@@ -1,8 +1,8 @@
 #!/bin/sh
-# test.sh [quick|long]: on a bare Debian 12 or 13, installs what the tests need, builds, and runs tests. The last lines are
+# test.sh [quick|long]: on a bare Debian 12, installs what the tests need, builds, and runs tests. The last lines are
 # ctest's. On two processors:
 #   test.sh        the tests labelled quick and full, which CI runs: 25 minutes at most, with installing and building
-#   test.sh quick  those labelled quick: 90 s if installed and built before
+#   test.sh quick  those labelled quick: 90 s if installed and built before; also on Debian 13
 #   test.sh long   every test
 # tests/CMakeLists.txt says what the labels mean.
 set -eu
