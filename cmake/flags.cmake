@@ -51,6 +51,7 @@ function(pupil_computes_pixels target)
     target_compile_options(${target} PRIVATE -O2)
   endif()
 endfunction()
+
 if(PUPIL_FUZZ)
   if(NOT CMAKE_C_COMPILER_ID MATCHES "Clang")
     message(FATAL_ERROR "PUPIL_FUZZ=ON needs clang, which brings libFuzzer: configure with -DCMAKE_C_COMPILER=clang")

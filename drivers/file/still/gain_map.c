@@ -41,11 +41,17 @@ enum { PROPERTIES = sizeof properties / sizeof *properties };
 /* What the metadata of a picture say; -1: they are damaged, and there is a sentence. */
 enum { NO_MAP, MAP_TO_HDR, MAP_TO_SDR };
 
+/* Its three numbers. */
+static double *numbers_of(pupil_gain_map *map, const struct property *p)
+{
+    return (double *)(void *)((char *)map + p->offset);
+}
+
 static int set_number(pupil_gain_map *map, const struct property *p, int channel, double value, pupil_why *why)
 {
     if (!(value >= p->least && value <= p->most))
         return pupil_refuse(why, "it has the %s %g; %g to %g is read", p->name, value, p->least, p->most);
-    ((double *)(void *)((char *)map + p->offset))[channel] = value;
+    numbers_of(map, p)[channel] = value;
     return 0;
 }
 
@@ -182,9 +188,8 @@ static int read_iso(span in, pupil_gain_map *map, pupil_why *why)
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < PROPERTIES; i++) {
             const struct property *p = &properties[i];
-            const double *first = (const double *)(const void *)((const char *)map + p->offset);
             if (c && !(flags & THREE))
-                value = *first;
+                value = numbers_of(map, p)[0];
             else if (!read_fraction(&in, common, p->is_signed, &value))
                 return pupil_refuse(why, "%s", cut);
             if (set_number(map, p, c, value, why))
