@@ -52,11 +52,12 @@ static double log2_shown(const pupil_curve *curve, double scaled)
 
 double frame_log_aimed_level(const frame_pipeline *p, double key)
 {
-    double mean, sum = 0.0;
     const pupil_stats *stats = &p->stats;
-    if (!stats->has_histogram ||
-        pupil_stats_mean(stats, (double)p->config.trim_low, (double)p->config.trim_high, &mean))
+    pupil_exposure e;
+    double sum = 0.0;
+    if (!stats->has_histogram || !stats->weight || pupil_get_exposure(&p->pupil, &e))
         return exp2(log2_shown(&p->curve, key));
+    const double mean = e.metered_ev - e.flicker_ev - light_of(p, e.scale); /* in the frame's units */
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
         const double step = (i % PUPIL_HISTOGRAM_BINS_PER_STOP + 0.5) / PUPIL_HISTOGRAM_BINS_PER_STOP;
         const double light = ldexp(1.0 + step, i / PUPIL_HISTOGRAM_BINS_PER_STOP + PUPIL_HISTOGRAM_MIN_EV);

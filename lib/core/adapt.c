@@ -294,7 +294,8 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
         return error;
     if (stats->has_histogram && !pupil_stats_are_counted(stats))
         return PUPIL_ERR_STATS; /* of some rows only, none of which is counted */
-    error = pupil_stats_mean(stats, (double)c->trim_low, (double)c->trim_high, mean_log2);
+    error = pupil_stats_light_mean(stats, pupil_log2((double)c->floor), (double)c->trim_low, (double)c->trim_high,
+                                   mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
         error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);
     if (!error && c->curve != PUPIL_CURVE_REINHARD && !stats->has_histogram)

@@ -142,6 +142,11 @@ void pupil_stats_quantiles(const pupil_stats *stats, const double *q, int count,
 /* The mean, over the weight between two shares, of the stops by which light is above `from_log2`, each at most `most`.
  * Here, too, statistics have been checked and are counted. */
 double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most);
+/* pupil_stats_mean, without the black pixels of a frame of floats or halves: config.h, floor. At least 1/64 of a
+ * frame's weight remains. So a lamp alone in black is white, and as the last light goes, the level does not jump. */
+uint64_t pupil_least_light(uint64_t weight);
+int pupil_stats_light_mean(const pupil_stats *stats, double floor_log2, double low, double high,
+                           double *log2_luminance);
 
 /* log2 of the divisor from the frame's values to scene luminance; the last known one if info has none. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);

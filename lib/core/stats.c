@@ -11,6 +11,11 @@ static size_t bytes_of(const pupil_stats *stats)
     return stats->size_bytes ? stats->size_bytes : FIRST_BYTES;
 }
 
+static uint64_t black_weight_of(const pupil_stats *stats)
+{
+    return bytes_of(stats) >= sizeof *stats ? stats->black_weight : 0;
+}
+
 int pupil_stats_check_bytes(const pupil_stats *stats)
 {
     const char *fault = pupil_versioned_fault(stats, bytes_of(stats), sizeof *stats, FIRST_BYTES);
@@ -67,6 +72,8 @@ int pupil_stats_add(pupil_stats *sum, const pupil_stats *more)
         sum->band_log2_sum[i] += more->band_log2_sum[i];
         sum->band_pixels[i] += more->band_pixels[i];
     }
+    if (bytes_of(sum) >= sizeof *sum)
+        sum->black_weight += black_weight_of(more);
     return PUPIL_OK;
 }
 
@@ -121,9 +128,10 @@ static int bins_and_bands_fit(const pupil_stats *s)
 static int counts_fit(const pupil_stats *s)
 {
     const uint64_t limit = UINT64_C(1) << 56; /* far above any frame (2^36), far below overflow */
-    return s->weight <= limit && s->pixels <= s->weight && s->black <= s->pixels && s->clipped <= s->pixels &&
-           s->bad <= s->pixels && s->channel_quads <= s->pixels && s->rows <= s->frame_height &&
-           s->frame_height <= PUPIL_MAX_SIDE_PX && (s->rows || !s->pixels) && s->has_histogram <= 1;
+    return s->weight <= limit && s->pixels <= s->weight && s->black <= s->pixels && black_weight_of(s) <= s->weight &&
+           s->clipped <= s->pixels && s->bad <= s->pixels && s->channel_quads <= s->pixels &&
+           s->rows <= s->frame_height && s->frame_height <= PUPIL_MAX_SIDE_PX && (s->rows || !s->pixels) &&
+           s->has_histogram <= 1;
 }
 
 /* A sum of log2 that pixels between 2^-32 and 2^32 can have; 0 where nothing was weighed. */
@@ -235,21 +243,20 @@ int pupil_stats_peak_quantile(const pupil_stats *stats, double q, double *log2_p
     return PUPIL_OK;
 }
 
-/* Mean of the bins' middles over the weight between two amounts, less that over all of it. */
-static double shift_by_trim(const pupil_stats *stats, double from, double to, double total)
+/* Mean of the bins' middles over the weight between two amounts. */
+static double middle_between(const pupil_stats *stats, double from, double to)
 {
-    double below = 0.0, kept = 0.0, all = 0.0;
+    double below = 0.0, sum = 0.0;
     for (int i = 0; i < PUPIL_HISTOGRAM_BINS; i++) {
         if (!stats->bin[i])
             continue;
         const double end = below + (double)stats->bin[i], high = end < to ? end : to;
         const double low = below > from ? below : from;
         const double middle = log2_within_bin(i, 0.5, PUPIL_HISTOGRAM_BINS_PER_STOP);
-        kept += high > low ? (high - low) * middle : 0.0;
-        all += (end - below) * middle;
+        sum += high > low ? (high - low) * middle : 0.0;
         below = end;
     }
-    return kept / (to - from) - all / total;
+    return sum / (to - from);
 }
 
 double pupil_stats_excess(const pupil_stats *stats, double low, double high, double from_log2, double most)
@@ -268,6 +275,24 @@ double pupil_stats_excess(const pupil_stats *stats, double low, double high, dou
     return sum / (to - from);
 }
 
+/* The mean without some weight at the floor, trimmed to the shares low to high of the rest. */
+static int mean_without(const pupil_stats *stats, uint64_t left_out, double floor_log2, double low, double high,
+                        double *log2_luminance)
+{
+    const double sum = (double)stats->log2_sum + (double)stats->log2_frac * 0x1p-40;
+    double mean = (sum - (double)left_out * floor_log2) / (double)(stats->weight - left_out);
+    if (low > 0.0 || high < 1.0) {
+        if (!pupil_stats_are_counted(stats))
+            return stats->has_histogram ? PUPIL_ERR_STATS : PUPIL_ERR_NO_HISTOGRAM;
+        const double total = (double)counted_weight(stats);
+        const double first = total * ((double)left_out / (double)stats->weight), rest = total - first;
+        /* The bins' middles are corrected by the exact mean, so the error vanishes with the trim. */
+        mean += middle_between(stats, first + low * rest, first + high * rest) - middle_between(stats, first, total);
+    }
+    *log2_luminance = mean;
+    return PUPIL_OK;
+}
+
 int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance)
 {
     if (!stats || !log2_luminance)
@@ -277,17 +302,19 @@ int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *
     const int error = pupil_stats_check(stats);
     if (error || !stats->weight)
         return error ? error : PUPIL_ERR_NO_LIGHT;
+    return mean_without(stats, 0, 0.0, low, high, log2_luminance);
+}
 
-    double mean = ((double)stats->log2_sum + (double)stats->log2_frac * 0x1p-40) / (double)stats->weight;
-    if (low > 0.0 || high < 1.0) {
-        if (!pupil_stats_are_counted(stats))
-            return stats->has_histogram ? PUPIL_ERR_STATS : PUPIL_ERR_NO_HISTOGRAM;
-        const double total = (double)counted_weight(stats);
-        /* The bins' middles are corrected by the exact mean, so the error vanishes with the trim. */
-        mean += shift_by_trim(stats, low * total, high * total, total);
-    }
-    *log2_luminance = mean;
-    return PUPIL_OK;
+uint64_t pupil_least_light(uint64_t weight)
+{
+    return weight / 64 + (weight % 64 > 0);
+}
+
+int pupil_stats_light_mean(const pupil_stats *stats, double floor_log2, double low, double high, double *log2_luminance)
+{
+    const uint64_t black = stats->code_light > 0.0f ? 0 : black_weight_of(stats);
+    const uint64_t most = stats->weight - pupil_least_light(stats->weight);
+    return mean_without(stats, black < most ? black : most, floor_log2, low, high, log2_luminance);
 }
 
 int pupil_stats_grey_world(const pupil_stats *stats, float balance[3])

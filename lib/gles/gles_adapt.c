@@ -77,10 +77,29 @@ static uint32_t sum_shift(const gles_object *o)
     return shift;
 }
 
-void pupil_gles_adapt_set(const gles_object *o, GLint shift, GLint is_locked)
+/* Of all pixels: below 2^36. */
+static uint64_t sum_of_weights(const gles_object *o)
 {
-    o->gl.Uniform1ui(shift, sum_shift(o));
-    o->gl.Uniform1i(is_locked, o->settings.lock != 0);
+    const uint32_t units_x = o->config.width / o->unit, units_y = o->config.height / o->unit;
+    uint64_t sum = 0;
+    for (uint32_t y = 0; y < PUPIL_GRID_SIDE; y++)
+        for (uint32_t x = 0; x < PUPIL_GRID_SIDE; x++) {
+            const uint32_t width = pupil_grid_first_in_cell(x + 1, units_x) - pupil_grid_first_in_cell(x, units_x);
+            const uint32_t height = pupil_grid_first_in_cell(y + 1, units_y) - pupil_grid_first_in_cell(y, units_y);
+            sum += (uint64_t)width * height * o->settings.weight[y][x];
+        }
+    return sum;
+}
+
+void pupil_gles_adapt_set(const gles_object *o, GLuint program)
+{
+    const gl_functions *gl = &o->gl;
+    const double black_log2 = pupil_log2((double)o->settings.floor);
+    gl->Uniform1ui(gl->GetUniformLocation(program, "sum_shift"), sum_shift(o));
+    gl->Uniform1i(gl->GetUniformLocation(program, "is_locked"), o->settings.lock != 0);
+    gl->Uniform1i(gl->GetUniformLocation(program, "is_black_left_out"), !(o->code_light > 0.0f));
+    gl->Uniform1ui(gl->GetUniformLocation(program, "black_log2"), (uint32_t)((black_log2 + 32.0) * 0x1p24));
+    gl->Uniform1ui(gl->GetUniformLocation(program, "least_light"), (uint32_t)pupil_least_light(sum_of_weights(o)));
 }
 
 void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info)

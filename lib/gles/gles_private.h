@@ -248,7 +248,7 @@ int pupil_gles_adapt_check(const pupil_config *settings, pupil_why *why);
 /* The level of a pupil_t is that of the GPU from the next frame on. */
 void pupil_gles_adapt_take(gles_object *o, const pupil_object *pupil);
 /* Uniforms of GLES_ADAPT, which is current: those that stay, and those of a frame's step. */
-void pupil_gles_adapt_set(const gles_object *o, GLint sum_shift, GLint is_locked);
+void pupil_gles_adapt_set(const gles_object *o, GLuint program);
 void pupil_gles_adapt_step(gles_object *o, const pupil_frame_info *info);
 /* For map.vert: key, compensation and exposure in 2^-24. */
 int32_t pupil_gles_adapt_scale_base(const gles_object *o);

@@ -256,7 +256,7 @@ void pupil_gles_programs_set(gles_object *o)
             set_mapping(o, p);
         set_targets(o, p);
         if (p == GLES_WEIGH || p == GLES_ADAPT)
-            pupil_gles_adapt_set(o, uniform(o, p, "sum_shift"), uniform(o, p, "is_locked"));
+            pupil_gles_adapt_set(o, o->programs.name[p]);
         if (p == GLES_ADAPT) {
             o->gl.Uniform1i(uniform(o, p, "columns"), GLES_UNIT_FRAME);
             o->gl.Uniform1i(uniform(o, p, "state_before"), GLES_UNIT_STATE);

@@ -36,6 +36,7 @@ static void add_region(const uint32_t words[4], uint32_t pixels, uint32_t weight
     stats->pixels += pixels;
     stats->weight += (uint64_t)pixels * weight;
     stats->black += words[2] & 0xfffff;
+    stats->black_weight += (uint64_t)(words[2] & 0xfffff) * weight;
     stats->clipped += words[3] & 0xfffff;
     stats->bad += words[2] >> 20 | words[3] >> 20 << 12;
     stats->band_log2_sum[band] += whole * (1 << 24) + (int64_t)frac_q24;

@@ -42,6 +42,8 @@ static __attribute__((noinline)) void stats_add_run(pupil_stats *stats, const pu
     stats->pixels += n;
     stats->weight += (uint64_t)n * weight;
     stats->black += run->black;
+    if (stats->size_bytes >= sizeof *stats) /* an older caller's statistics end before it */
+        stats->black_weight += (uint64_t)run->black * weight;
     stats->clipped += run->clipped;
     stats->bad += run->bad;
     /* unsigned, because the bands of a caller's statistics have not been checked yet */

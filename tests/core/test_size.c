@@ -9,7 +9,7 @@ int main(int argc, char **argv)
            sizeof(pupil_t), sizeof(pupil_stats), sizeof(pupil_config), sizeof(pupil_exposure), sizeof(pupil_curve));
     CHECK(sizeof(pupil_t) == PUPIL_OBJECT_BYTES && sizeof(pupil_t) % sizeof(uint64_t) == 0);
     /* the same on every ABI: fixed-width members without holes */
-    CHECK(sizeof(pupil_stats) == 11 * 8 + 6 * 4 + (PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS) * 8 + PUPIL_BANDS * 12);
+    CHECK(sizeof(pupil_stats) == 12 * 8 + 6 * 4 + (PUPIL_HISTOGRAM_BINS + PUPIL_PEAK_BINS) * 8 + PUPIL_BANDS * 12);
     CHECK(sizeof(pupil_stats) < sizeof(pupil_t));
     CHECK(sizeof(pupil_curve) == 10 * 4 + PUPIL_CURVE_KNOTS * 4);
     CHECK(strcmp(pupil_version(), "0.2.0") == 0);

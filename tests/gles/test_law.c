@@ -144,6 +144,38 @@ static void test_dark_codes(gl_test *test)
     }
 }
 
+/* Of floats and halves, black pixels are left out while there are others; of codes they count. */
+static void test_black(void)
+{
+    static const uint32_t pixels[] = {PUPIL_PIXEL_RGB32F, PUPIL_PIXEL_RGBA16F, PUPIL_PIXEL_RGB8};
+    static const float floors[] = {0x1p-14f, 0.0001f, 0.3f, 0x1p-30f};
+    for (int i = 0; i < 3 * 4 * 2; i++) {
+        pupil_config config = usual();
+        config.tau_light_s = config.tau_dark_s = 0.0;
+        config.floor = floors[i % 4];
+        if (i / 4 % 2) { /* pixels are in the rows and columns 4 and 12 */
+            memset(config.weight, 0, sizeof config.weight);
+            config.weight[4][12] = 255;
+            config.weight[12][4] = 3;
+        }
+        begin_with(pixels[i / 8], &config);
+        (void)step(0.5, 1.0, 1.0, 1.0);
+        for (uint32_t lit = 0; lit < 16; lit++) {
+            const pupil_frame_info info = {.timestamp_ns = b.now_ns += 1000000000, .exposure_s = 1.0, .gain = 1.0};
+            for (uint32_t at = 0; at < 4; at++) {
+                const double light = lit >> at & 1 ? 0.9 / (1 + at) : at == 1 ? -1.0 : 0.0;
+                frame_set(&b.frame, at % 2, at / 2, light, light, light, 1);
+            }
+            CHECK(pupil_gles_upload(&b.gles, &b.frame.image) == PUPIL_OK);
+            CHECK(pupil_gles_meter(&b.gles, &info) == PUPIL_OK);
+            const double off = collect();
+            CHECK_MSG(off <= 2e-6, "format %u, floor %g, weights %d, pixels %x: %g stops off", pixels[i / 8],
+                      (double)config.floor, i / 4 % 2, lit, off);
+        }
+        pupil_gles_close(&b.gles);
+    }
+}
+
 static void test_slow(double frame_s, double tau_s, unsigned frames)
 {
     pupil_config config = usual();
@@ -227,6 +259,7 @@ int main(int argc, char **argv)
         return status;
     test_exposures(&test);
     test_dark_codes(&test);
+    test_black();
     test_slow(1.0 / 240.0, 60.0, 200);
     test_slow(1.0 / 1000.0, 9.5e5, 1000); /* a step of 4.5 / 2^32: if rounded each time, 11 % off */
     test_no_room();

@@ -7,6 +7,9 @@ uniform uvec4 level_limits;  // the lowest target, the highest
 uniform uvec2 step_weight;   // toward more light, toward less: 1 - exp(-dt / tau) in 2^-32; all bits: at once
 uniform uvec4 given;         // the state to begin with, where w is 1
 uniform bool is_locked;
+uniform bool is_black_left_out; // frames of floats
+uniform uint black_log2;        // of the floor, with the offset, in 2^-24 stops
+uniform uint least_light;       // if light has less weight than this, black makes up for it
 
 #define OFFSET_STOPS 32 // makes every exponent positive
 
@@ -20,6 +23,11 @@ void weigh_region(ivec2 region, uvec4 sums, inout uvec2 log2_sum, inout uvec2 we
     if (weight == 0u)
         return;
     uvec2 sum = add(uvec2(exponent << 24, exponent >> 8), uvec2(sums.y, 0u));
+    if (is_black_left_out) {
+        uint black = sums.z & 0xfffffu;
+        sum = subtract(sum, multiply(black, black_log2));
+        pixels -= int(black);
+    }
     uvec2 weighed = add(multiply(sum.x, weight), uvec2(0u, sum.y * weight));
     log2_sum = add(log2_sum, shift_right(weighed, sum_shift));
     weight_sum = add(weight_sum, multiply(uint(pixels), weight));
@@ -64,6 +72,10 @@ uvec4 adapt(uvec4 state, uvec2 log2_sum, uvec2 weight_sum)
 {
     if (given.w == 1u)
         state = uvec4(given.xyz, 0u);
+    if (is_black_left_out && is_less(weight_sum, uvec2(least_light, 0u))) {
+        log2_sum = add(log2_sum, shift_right(multiply(least_light - weight_sum.x, black_log2), sum_shift));
+        weight_sum = uvec2(least_light, 0u);
+    }
     if (weight_sum == uvec2(0u) || (is_locked && state.z == 1u))
         return state;
     uvec2 target = add(mean_of(log2_sum, weight_sum), minus_divisor);

@@ -147,10 +147,12 @@ typedef struct pupil_config {
     float rgb_to_xyz[9]; /* row by row, -1e6..1e6, the second row 0..1e6; read only with PUPIL_PRIMARIES_MATRIX. If
                           * output_primaries is as the input, only the second row is read; else the determinant must not
                           * be 0 */
-    float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1. If the
-                          * brightest 5 % of the light are below 2^-6 or above 2^16, multiply the frame and its gain
-                          * (pupil_frame_info) by the same power of two, with exposure_s 1 if it is unknown. The level
-                          * is then still that of the original light. PUPIL_REASON_RANGE reports such frames */
+    float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1. Of
+                          * floats or halves, pixels at or below it do not count for the level while 1/64 of the frame
+                          * is above it, because a rendered background is exactly 0. If the brightest 5 % of the light
+                          * are below 2^-6 or above 2^16, multiply the frame and its gain (pupil_frame_info) by the same
+                          * power of two, with exposure_s 1 if it is unknown. The level is then still that of the
+                          * original light. PUPIL_REASON_RANGE reports such frames */
     float clip;          /* a channel at or above it counts as clipped; frame units; 0: the format's largest value
                           * (stats.h) */
     float trim_low;      /* share of the weight left out of the mean at the dark end, 0..1; 0 */

@@ -178,7 +178,7 @@ typedef enum pupil_reason {
 typedef struct pupil_exposure {
     uint32_t size_bytes; /* abi.h */
     uint32_t reserved;
-    double metered_ev;   /* the last frame's (trimmed) log-average */
+    double metered_ev;   /* the last frame's (trimmed) log-average; of floats and halves without black (config.floor) */
     double flicker_ev;   /* how much of it is temporal flicker (config.flicker); 0: none known */
     double held_back_ev; /* by how much the last frame's highlights hold the level above its log-average, and the
                           * picture darker (config.highlight_ev); 0..8 */

@@ -72,6 +72,8 @@ typedef struct pupil_stats {
                              * unweighted, regardless of config.clip and the balance */
     int64_t band_log2_sum[PUPIL_BANDS]; /* sum of log2 L of the metered pixels, unweighted, in 2^-24 stops */
     uint32_t band_pixels[PUPIL_BANDS];  /* their number */
+    uint64_t black_weight; /* sum of the weights of the black pixels, which pupil_adapt leaves out of the level of
+                            * floats and halves (config.h, floor); 0: black counts */
 } pupil_stats;
 
 /* Makes the statistics of no pixels at all. */
@@ -85,10 +87,10 @@ static inline void pupil_stats_clear(pupil_stats *stats)
  * there would be more rows than the frame has. */
 PUPIL_API int pupil_stats_add(pupil_stats *sum, const pupil_stats *more);
 
-/* Weighted mean of log2 luminance in stops, frame units. It is trimmed to the weight between the shares low and high;
- * (0, 1) is untrimmed, and exact to about 1e-11 stops on natural frames. The trimmed mean uses the histogram; its error
- * is below 1.5e-3 stops if half of the weight or more is kept, and vanishes with the trim. PUPIL_ERR_NO_LIGHT without
- * any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
+/* Weighted mean of log2 luminance in stops, frame units, of all pixels, black ones too. It is trimmed to the weight
+ * between the shares low and high; (0, 1) is untrimmed, and exact to about 1e-11 stops on natural frames. The trimmed
+ * mean uses the histogram; its error is below 1.5e-3 stops if half of the weight or more is kept, and vanishes with the
+ * trim. PUPIL_ERR_NO_LIGHT without any weight, PUPIL_ERR_NO_HISTOGRAM where trimming lacks one. */
 PUPIL_API int pupil_stats_mean(const pupil_stats *stats, double low, double high, double *log2_luminance);
 
 /* The luminance (log2, frame units) below which the share q (0..1) of the weight is, interpolated within a bin. */
