@@ -1,19 +1,22 @@
 #!/bin/sh
-# build-deb.sh [--here] [-a ARCHITECTURE] [FOLDER]: Debian packages of this tree, into FOLDER (build/deb/ARCHITECTURE), and
-# lintian's opinion of them in FOLDER/lintian.txt: any error or warning is a failure.
+# build-deb.sh [--here] [-a ARCHITECTURE] [-s SUITE] [FOLDER]: Debian packages of this tree, into FOLDER
+# (build/deb/ARCHITECTURE), and lintian's opinion of them in FOLDER/lintian.txt: any error or warning is a failure.
 #   -a ARCHITECTURE  this machine's, or another one (arm64, armhf), cross-built: its libraries are installed next to
 #                    this machine's
-#   --here           with what is installed here, in place of a clean Debian 12; without lintian
+#   -s SUITE         for that release of Debian (bookworm, trixie), in place of the one that runs here
+#   --here           with what is installed here, in place of a clean Debian; without lintian
 # The clean Debian is a folder, build/deb/root-ARCHITECTURE (2 GB), with what builds need. mmdebstrap makes it if it is
-# absent or debian/control asks for other packages, which needs root, the network and some minutes.
+# absent or of another release, or debian/control asks for other packages, which needs root, the network and some
+# minutes.
 # Builds leave nothing in it.
 # DEBIAN_SOURCE, if set, is a line of sources.list for it, instead of those of Debian's servers.
 # What git lists is built as it is in this folder, committed or not. CCACHE_DIR, if set, is used in the clean Debian, too.
 set -eu
-usage="usage: $0 [--here] [-a ARCHITECTURE] [FOLDER]"
+usage="usage: $0 [--here] [-a ARCHITECTURE] [-s SUITE] [FOLDER]"
 tree=$(cd "$(dirname "$0")/.." && pwd)
 native=$(dpkg --print-architecture)
 architecture=$native
+suite=$(. /etc/os-release && echo "${VERSION_CODENAME:-bookworm}")
 here=
 folder=
 while [ $# -gt 0 ]; do
@@ -22,6 +25,11 @@ while [ $# -gt 0 ]; do
     -a)
         [ $# -gt 1 ] || { echo "$usage" >&2; exit 2; }
         architecture=$2
+        shift
+        ;;
+    -s)
+        [ $# -gt 1 ] || { echo "$usage" >&2; exit 2; }
+        suite=$2
         shift
         ;;
     -*)
@@ -71,7 +79,8 @@ if [ -n "$here" ]; then
     }
 else
     # --- the clean Debian ---
-    control=$(sed -n '/^Build-Depends:/,/^Standards-Version:/p' "$tree/packaging/debian/control" | sha256sum)
+    # What the clean Debian is made for.
+    control="$suite $(sed -n '/^Build-Depends:/,/^Standards-Version:/p' "$tree/packaging/debian/control" | sha256sum)"
     if [ "$(cat "$root.control" 2>/dev/null)" != "$control" ]; then
         rm -rf "$root" "$root.control"
         mkdir -p "$root"
@@ -82,7 +91,7 @@ else
             --customize-hook="copy-in $work/build/pupil-$version /" \
             --customize-hook="chroot \"\$1\" apt-get build-dep -qq -y ${more:+--host-architecture=$architecture \
 -P cross,nocheck} /pupil-$version >\"$folder/root.log\"" \
-            --customize-hook="rm -rf \"\$1/pupil-$version\"" bookworm "$root" ${DEBIAN_SOURCE:+"$DEBIAN_SOURCE"} \
+            --customize-hook="rm -rf \"\$1/pupil-$version\"" "$suite" "$root" ${DEBIAN_SOURCE:+"$DEBIAN_SOURCE"} \
             >"$folder/mmdebstrap.log" 2>&1 || {
             tail -n 20 "$folder/mmdebstrap.log" >&2
             echo "$0: mmdebstrap failed; its output is in $folder/mmdebstrap.log" >&2

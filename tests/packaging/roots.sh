@@ -1,6 +1,7 @@
 # roots.sh: for the tests of packages: sets $tree; clean_root makes and names a clean Debian with a user's packages and
 # those that tests install. build_packages ARCHITECTURE makes the packages; both are kept in build/deb for the next
-# test.
+# test. Both are of the release of Debian that runs here, or of DEBIAN_SUITE.
+suite=${DEBIAN_SUITE:-$(. /etc/os-release && echo "${VERSION_CODENAME:-bookworm}")}
 tree=$(cd "$(dirname "$0")/../.." && pwd)
 skip() {
     echo "skipped: $1"
@@ -17,21 +18,21 @@ trap 'exit 1' INT TERM
 
 clean_root() {
     clean=$tree/build/deb/clean
-    [ -e "$clean.made" ] && return
-    rm -rf "$clean"
+    [ "$(cat "$clean.made" 2>/dev/null)" != "$suite" ] || return 0
+    rm -rf "$clean" "$clean.made"
     mkdir -p "$clean"
-    mmdebstrap --quiet --variant=minbase --include=autopkgtest,ca-certificates,dbus,systemd-sysv,udev bookworm "$clean" \
+    mmdebstrap --quiet --variant=minbase --include=autopkgtest,ca-certificates,dbus,systemd-sysv,udev "$suite" "$clean" \
         ${DEBIAN_SOURCE:+"$DEBIAN_SOURCE"} >"$work/mmdebstrap.log" 2>&1 || { cat "$work/mmdebstrap.log"; exit 1; }
-    : >"$clean.made"
+    echo "$suite" >"$clean.made"
 }
 
-# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were already made from this tree (without
-# pictures and the tests of packages)
+# build_packages ARCHITECTURE: into build/deb/ARCHITECTURE, unless they were already made for this release from this tree
+# (without pictures and the tests of packages)
 build_packages() {
-    now=$(cd "$tree" && git ls-files --cached --others --exclude-standard |
+    now="$suite $(cd "$tree" && git ls-files --cached --others --exclude-standard |
         grep -vE '^(docs/.*\.(jpg|png)|tests/(packaging|vm)/)' | while read -r name; do
-        [ ! -f "$name" ] || sha256sum "$name"; done | sha256sum)
+        [ ! -f "$name" ] || sha256sum "$name"; done | sha256sum)"
     [ "$(cat "$tree/build/deb/$1.tree" 2>/dev/null)" != "$now" ] || return 0
-    sh "$tree/packaging/build-deb.sh" -a "$1"
+    sh "$tree/packaging/build-deb.sh" -s "$suite" -a "$1"
     echo "$now" >"$tree/build/deb/$1.tree"
 }
