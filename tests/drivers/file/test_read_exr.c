@@ -322,7 +322,8 @@ static exr_result_t write_by_library(const char *path, exr_compression_t compres
     exr_attr_box2i_t window = {0};
     const exr_attr_v2f_t centre = {0};
     exr_context_initializer_t initial = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    exr_encode_pipeline_t encode = EXR_ENCODE_PIPELINE_INITIALIZER;
+    static const exr_encode_pipeline_t nothing; /* OpenEXR 3.4's own initializer leaves out fields */
+    exr_encode_pipeline_t encode = nothing;
     exr_chunk_info_t chunk;
     exr_context_t out;
     int part, first = 1;

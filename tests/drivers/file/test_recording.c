@@ -160,21 +160,20 @@ static void test_refused(void)
     test_frames frames;
     frames_make(&frames, PUPIL_PIXEL_BAYER10, 8, 4, 2);
     const char *folder = scratch("refused");
-    char path[1100];
+    const char *notes = scratch("refused/notes");
     check_refused(&frames, "", "a recording needs a name");
     check_refused(&frames, scratch("none/inside"), "make it first");
     check_refused(&frames, "/dev/null", "/dev/null: is not a folder that can be used");
     mkdir(folder, 0777);
     CHECK(frames_record(&frames, folder, &waiting, &why) == 2); /* an empty one is used */
     check_refused(&frames, folder, "is a recording already; name another folder, or overwrite it");
-    snprintf(path, sizeof path, "%s/notes", folder);
-    scratch_put(path, "mine");
+    scratch_put(notes, "mine");
     pupil_recorder_options over = waiting;
     over.overwrite = 1;
     CHECK(frames_record(&frames, folder, &over, &why) == -1);
     CHECK_MSG(strstr(why.text, "holds notes, which is not part of a recording"), "%s", why.text);
-    CHECK(frames_replay(&frames, folder, &why) == 2 && scratch_holds(path, "mine"));
-    remove(path);
+    CHECK(frames_replay(&frames, folder, &why) == 2 && scratch_holds(notes, "mine"));
+    remove(notes);
     CHECK(frames_record(&frames, folder, &over, &why) == 2 && frames_replay(&frames, folder, &why) == 2);
     scratch_clear(folder);
 

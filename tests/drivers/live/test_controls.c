@@ -64,7 +64,7 @@ static void test_in_force(void)
     control(fake, V4L2_CID_GAIN, 1, 40);
     pupil_source *source = open_live(fake, 0.0);
     pupil_camera *camera = pupil_live_camera(source);
-    pupil_frame_info info;
+    pupil_frame_info info = {0};
     CHECK(camera != NULL);
     CHECK(control(fake, V4L2_CID_EXPOSURE_AUTO, 0, 0) == V4L2_EXPOSURE_MANUAL);
     for (int i = 0; i < 3; i++)
