@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "beside.h"
@@ -305,10 +306,12 @@ static int check_ours(const pupil_pending *p, pupil_why *why)
     return 0;
 }
 
+enum { NO_REPLACE = 1 }; /* RENAME_NOREPLACE: musl 1.2.3 has neither this nor a function for the call */
+
 /* Renames without replacing a file: atomically in the kernel, where the file system can. */
 static int move_to(const pupil_pending *p, const char *path)
 {
-    if (renameat2(AT_FDCWD, p->temporary, AT_FDCWD, path, RENAME_NOREPLACE) == 0)
+    if (syscall(SYS_renameat2, AT_FDCWD, p->temporary, AT_FDCWD, path, NO_REPLACE) == 0)
         return 0;
     if (errno != EINVAL && errno != ENOSYS)
         return -1;

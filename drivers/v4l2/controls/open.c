@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "controls_private.h"
@@ -12,7 +12,7 @@
 static int system_ioctl(void *context, int fd, unsigned long request, void *argument)
 {
     (void)context;
-    return ioctl(fd, request, argument);
+    return (int)syscall(SYS_ioctl, fd, request, argument); /* the type of ioctl's request differs among C libraries */
 }
 
 /* On the subdevice, or passed on to the video node: 1; 0: there is none; -1: the driver fails, and `why` says so. */
