@@ -99,16 +99,19 @@ static int read_some(void *opaque, uint8_t *buffer, int wanted)
         io->position += take;
         return take ? (int)take : AVERROR_EOF;
     }
-    if (io->stop && io->stop()) {
-        io->error = EINTR;
-        return AVERROR_EXIT;
-    }
     if (io->read_most && io->read > io->read_most) {
         io->error = EFBIG;
         return AVERROR(EFBIG);
     }
-    ssize_t got = wait_for(io) ? -1 : read(io->fd, buffer, (size_t)wanted);
-    if (got < 0) { /* EINTR too: a writer that has stopped must not keep the program from ending */
+    ssize_t got;
+    do {
+        if (io->stop && io->stop()) {
+            io->error = EINTR;
+            return AVERROR_EXIT;
+        }
+        got = wait_for(io) ? -1 : read(io->fd, buffer, (size_t)wanted);
+    } while (got < 0 && errno == EINTR && io->total >= 0);
+    if (got < 0) { /* EINTR of a pipe, too: a writer that has stopped must not keep the program from ending */
         io->error = errno;
         return AVERROR(errno);
     }
