@@ -11,6 +11,7 @@
 struct pupil_window {
     SDL_Window *window;
     SDL_GLContext context;
+    SDL_Rect before; /* place and size outside of full screen */
     char text[SDL_TEXTINPUTEVENT_TEXT_SIZE]; /* typed and not yet polled, from `next` on */
     const char *next;
 };
@@ -24,7 +25,7 @@ static int open_video(pupil_why *why)
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");                 /* they are the program's */
     const char *failed = SDL_InitSubSystem(SDL_INIT_VIDEO) == 0 ? NULL : SDL_GetError();
     /* SDL falls back to this driver, which shows nothing. A user chooses it by SDL_VIDEODRIVER. */
-    if (!failed && SDL_strcmp(SDL_GetCurrentVideoDriver(), "offscreen") == 0 && !SDL_getenv("SDL_VIDEODRIVER")) {
+    if (!failed && SDL_strcmp(SDL_GetCurrentVideoDriver(), "offscreen") == 0 && !getenv("SDL_VIDEODRIVER")) {
         SDL_Quit();
         failed = "its offscreen driver alone would start";
     }
@@ -58,7 +59,7 @@ static void fit(uint32_t width, uint32_t height, int *w, int *h)
 
 static int make_window(pupil_window *window, const pupil_window_options *options, pupil_why *why)
 {
-    Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
+    const Uint32 flags = SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
     int w, h, drawn_w, drawn_h;
     /* No alpha: a desktop would show through. */
     static const struct {
@@ -76,8 +77,6 @@ static int make_window(pupil_window *window, const pupil_window_options *options
     for (size_t i = 0; i < sizeof attributes / sizeof *attributes; i++)
         SDL_GL_SetAttribute(attributes[i].name, attributes[i].value);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_FLAGS, options->debug ? SDL_GL_CONTEXT_DEBUG_FLAG : 0);
-    if (options->fullscreen)
-        flags |= SDL_WINDOW_FULLSCREEN_DESKTOP;
     fit(options->width, options->height, &w, &h);
     window->window = SDL_CreateWindow(options->title ? options->title : "pupil", SDL_WINDOWPOS_CENTERED,
                                       SDL_WINDOWPOS_CENTERED, w, h, flags);
@@ -87,11 +86,13 @@ static int make_window(pupil_window *window, const pupil_window_options *options
             SDL_GetError());
     /* If the screen counts in units of several pixels, the window has that many fewer of them. */
     SDL_GL_GetDrawableSize(window->window, &drawn_w, &drawn_h);
-    if (!options->fullscreen && drawn_w > w) {
+    if (drawn_w > w) {
         fit((uint32_t)((int64_t)options->width * w / drawn_w), (uint32_t)((int64_t)options->height * h / drawn_h), &w,
             &h);
         SDL_SetWindowSize(window->window, w, h);
     }
+    if (options->fullscreen)
+        pupil_window_set_fullscreen(window, 1);
     return 0;
 }
 
@@ -217,9 +218,22 @@ int pupil_window_poll(pupil_window *window)
     return typed >= ' ' && typed <= '~' ? typed : PUPIL_WINDOW_OTHER;
 }
 
+/* The screen's size first: without a window manager SDL 3 does not change the window, and SDL 2 only says so. */
 void pupil_window_set_fullscreen(pupil_window *window, int on)
 {
-    SDL_SetWindowFullscreen(window->window, on ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0);
+    SDL_Window *const w = window->window;
+    SDL_Rect *const before = &window->before, screen;
+    if (on) {
+        SDL_GetWindowPosition(w, &before->x, &before->y);
+        SDL_GetWindowSize(w, &before->w, &before->h);
+    } else
+        SDL_SetWindowFullscreen(w, 0);
+    if (!on || SDL_GetDisplayBounds(SDL_max(SDL_GetWindowDisplayIndex(w), 0), &screen) != 0)
+        screen = *before;
+    SDL_SetWindowPosition(w, screen.x, screen.y);
+    SDL_SetWindowSize(w, screen.w, screen.h);
+    if (on)
+        SDL_SetWindowFullscreen(w, SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
 void pupil_window_set_title(pupil_window *window, const char *title)

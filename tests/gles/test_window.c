@@ -100,6 +100,15 @@ static void check_size(pupil_window *window, uint32_t width, uint32_t height)
     CHECK_MSG(w == width && h == height, "%u x %u, not %u x %u", w, h, width, height);
 }
 
+/* Of the window that is called second, as the server has it: there is no window manager. */
+static void check_geometry(const char *geometry)
+{
+    char command[128];
+    snprintf(command, sizeof command, "xdotool search --name '^second$' getwindowgeometry | grep -q 'Geometry: %s$'",
+             geometry);
+    CHECK_MSG(system(command) == 0, "not %s", geometry);
+}
+
 static void check_window(void)
 {
     pupil_window *window, *second;
@@ -123,7 +132,9 @@ static void check_window(void)
     while (pupil_window_poll(window) != PUPIL_WINDOW_NOTHING)
         ;
     check_size(window, 640, 480);
-    pupil_window_set_fullscreen(window, 0); /* the window manager would restore its size: there is none */
+    check_geometry("640x480");
+    pupil_window_set_fullscreen(window, 0);
+    check_geometry("320x240");
     CHECK(glGetError() == GL_NO_ERROR);
     pupil_window_close(window);
 

@@ -66,6 +66,17 @@ int SDL_GetDisplayUsableBounds(int display, SDL_Rect *room)
     return fake.bounds_w ? 0 : -1;
 }
 
+int SDL_GetDisplayBounds(int display, SDL_Rect *bounds)
+{
+    return SDL_GetDisplayUsableBounds(display, bounds);
+}
+
+int SDL_GetWindowDisplayIndex(SDL_Window *window)
+{
+    (void)window;
+    return 0;
+}
+
 int SDL_GL_SetAttribute(SDL_GLattr name, int value)
 {
     if (name == SDL_GL_CONTEXT_MINOR_VERSION)
@@ -75,10 +86,11 @@ int SDL_GL_SetAttribute(SDL_GLattr name, int value)
 
 SDL_Window *SDL_CreateWindow(const char *title, int x, int y, int w, int h, Uint32 flags)
 {
-    (void)x, (void)y;
     if (fails("SDL_CreateWindow"))
         return NULL;
     fake.windows++;
+    fake.x = x;
+    fake.y = y;
     fake.w = w;
     fake.h = h;
     fake.flags = flags;
@@ -92,10 +104,30 @@ void SDL_DestroyWindow(SDL_Window *window)
     fake.windows--;
 }
 
+void SDL_GetWindowPosition(SDL_Window *window, int *x, int *y)
+{
+    (void)window;
+    *x = fake.x;
+    *y = fake.y;
+}
+
+void SDL_SetWindowPosition(SDL_Window *window, int x, int y)
+{
+    (void)window;
+    fake.x = x;
+    fake.y = y;
+}
+
+void SDL_GetWindowSize(SDL_Window *window, int *w, int *h)
+{
+    (void)window;
+    *w = fake.w;
+    *h = fake.h;
+}
+
 void SDL_SetWindowSize(SDL_Window *window, int w, int h)
 {
     (void)window;
-    fake.resized++;
     fake.w = w;
     fake.h = h;
 }

@@ -16,7 +16,7 @@ typedef struct fake_sdl {
     unsigned long calls, fail_at; /* from 1; 0: none */
     const char *failed;
     int started, windows, contexts; /* what exists */
-    int w, h, minor, resized, text_input;
+    int x, y, w, h, minor, text_input;
     Uint32 flags;
     char title[64];
 } fake_sdl;

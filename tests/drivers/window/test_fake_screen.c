@@ -113,9 +113,13 @@ static void test_sizes(void)
     fake.density = 2;
     pupil_window *window =
         opens(&(pupil_window_options){.title = "a title", .width = 64, .height = 64, .fullscreen = 1, .debug = 1});
-    CHECK(fake.flags & SDL_WINDOW_FULLSCREEN_DESKTOP && !fake.resized && strcmp(fake.title, "a title") == 0);
+    CHECK(fake.flags & SDL_WINDOW_FULLSCREEN_DESKTOP && strcmp(fake.title, "a title") == 0);
+    CHECK(fake.x == 0 && fake.y == 0 && fake.w == 1920 && fake.h == 1080);
     pupil_window_set_fullscreen(window, 0);
-    CHECK(!fake.flags);
+    CHECK(!fake.flags && fake.w == 32 && fake.h == 32);
+    fake.bounds_w = 0; /* a screen of unknown size */
+    pupil_window_set_fullscreen(window, 1);
+    CHECK(fake.flags & SDL_WINDOW_FULLSCREEN_DESKTOP && fake.w == 32 && fake.h == 32);
     pupil_window_set_title(window, "another");
     CHECK(strcmp(fake.title, "another") == 0);
     pupil_window_swap(window);
