@@ -29,6 +29,9 @@ function(pupil_add_test name label)
   if(NOT label STREQUAL long)
     list(APPEND environment GALLIVM_PERF=nopt)
   endif()
+  if(PUPIL_SANITIZE)
+    list(APPEND environment LSAN_OPTIONS=suppressions=${pupil_tests}/lsan.supp:print_suppressions=0)
+  endif()
   if(TARGET pupil)
     list(APPEND environment "PUPIL_PROGRAM=$<TARGET_FILE:pupil>")
   endif()
@@ -120,11 +123,9 @@ function(pupil_test_folder)
 endfunction()
 
 # pupil_window_test(NAMES...): tests that open a window. Under the sanitizers, leaks in the window system's libraries
-# are recognised from the whole stack of each allocation, which takes its time.
+# (lsan.supp) are recognised from the whole stack of each allocation, which takes its time.
 function(pupil_window_test)
   if(PUPIL_SANITIZE)
-    set(suppressions ${pupil_tests}/gles/lsan.supp)
-    set_property(TEST ${ARGN} APPEND PROPERTY ENVIRONMENT
-      ASAN_OPTIONS=fast_unwind_on_malloc=0 LSAN_OPTIONS=suppressions=${suppressions}:print_suppressions=0)
+    set_property(TEST ${ARGN} APPEND PROPERTY ENVIRONMENT ASAN_OPTIONS=fast_unwind_on_malloc=0)
   endif()
 endfunction()
