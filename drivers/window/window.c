@@ -11,7 +11,7 @@
 struct pupil_window {
     SDL_Window *window;
     SDL_GLContext context;
-    SDL_Rect before; /* place and size outside of full screen */
+    SDL_Rect before;                         /* full screen, where SDL does not restore it; else w is 0 */
     char text[SDL_TEXTINPUTEVENT_TEXT_SIZE]; /* typed and not yet polled, from `next` on */
     const char *next;
 };
@@ -218,22 +218,32 @@ int pupil_window_poll(pupil_window *window)
     return typed >= ' ' && typed <= '~' ? typed : PUPIL_WINDOW_OTHER;
 }
 
-/* The screen's size first: without a window manager SDL 3 does not change the window, and SDL 2 only says so. */
+static void place(SDL_Window *window, const SDL_Rect *where)
+{
+    SDL_SetWindowPosition(window, where->x, where->y);
+    SDL_SetWindowSize(window, where->w, where->h);
+}
+
+/* A window without a frame may have no window manager: then SDL 3 does nothing, and SDL 2 only says that it is done. */
 void pupil_window_set_fullscreen(pupil_window *window, int on)
 {
     SDL_Window *const w = window->window;
     SDL_Rect *const before = &window->before, screen;
-    if (on) {
+    int top, left, bottom, right;
+    if (!on) {
+        SDL_SetWindowFullscreen(w, 0);
+        if (before->w)
+            place(w, before);
+        before->w = 0;
+        return;
+    }
+    if (SDL_GetWindowBordersSize(w, &top, &left, &bottom, &right) == 0 && !top && !left && !bottom && !right &&
+        SDL_GetDisplayBounds(SDL_max(SDL_GetWindowDisplayIndex(w), 0), &screen) == 0) {
         SDL_GetWindowPosition(w, &before->x, &before->y);
         SDL_GetWindowSize(w, &before->w, &before->h);
-    } else
-        SDL_SetWindowFullscreen(w, 0);
-    if (!on || SDL_GetDisplayBounds(SDL_max(SDL_GetWindowDisplayIndex(w), 0), &screen) != 0)
-        screen = *before;
-    SDL_SetWindowPosition(w, screen.x, screen.y);
-    SDL_SetWindowSize(w, screen.w, screen.h);
-    if (on)
-        SDL_SetWindowFullscreen(w, SDL_WINDOW_FULLSCREEN_DESKTOP);
+        place(w, &screen);
+    }
+    SDL_SetWindowFullscreen(w, SDL_WINDOW_FULLSCREEN_DESKTOP);
 }
 
 void pupil_window_set_title(pupil_window *window, const char *title)

@@ -9,6 +9,7 @@ typedef struct fake_sdl {
     const char *driver, *gl_version; /* NULL: no such string */
     int bounds_w, bounds_h;          /* 0: unknown */
     int density;                     /* pixels per unit of the screen */
+    int frame;                       /* above a window */
     unsigned newest;                 /* contexts up to this version: 31 */
     int no_functions;
     SDL_Event events[8];
