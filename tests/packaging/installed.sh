@@ -14,7 +14,7 @@ mkdir -p /etc/pupil /var/lib/private/pupil/video0 /etc/systemd/system/dev-video0
 ln -s private/pupil /var/lib/pupil
 : >/etc/pupil/video0.conf
 : >/var/lib/private/pupil/video0/exposure
-ln -s /lib/systemd/system/pupil@.service /etc/systemd/system/dev-video0.device.wants/pupil@video0.service
+ln -s /usr/lib/systemd/system/pupil@.service /etc/systemd/system/dev-video0.device.wants/pupil@video0.service
 
 status=0
 autopkgtest --no-built-binaries --output-dir=/build/autopkgtest ./*.deb ./*.dsc -- null >autopkgtest.log 2>&1 || status=$?
