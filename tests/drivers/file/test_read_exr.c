@@ -211,7 +211,7 @@ static void test_parts(void)
     exr_part *const second = parts + 1;
     pupil_still still = {0};
     parts[2].channel[0].name = "Blue"; /* names of parts come from here and must differ */
-    for (int i = 0; i < 3; i += 2) /* parts must have one display window; OpenEXR 3.4 refuses others */
+    for (int i = 0; i < 3; i += 2)     /* parts must have one display window; OpenEXR 3.4 refuses others */
         memcpy(parts[i].display, second->display, sizeof second->display);
     write_exr(&file, parts, 3);
     CHECK_MSG(read_exact(pupil_read_exr, &still, file.data, file.size, &why) == 0, "%s", why.text);
