@@ -1,7 +1,7 @@
 #!/bin/sh
 # diff.sh LIBRARY: abidiff between the last release (libpupil.abi, as abidw wrote it) and LIBRARY, which has debug
 # information. Functions may be added; everything else needs another soname. Growth of a struct that check.sh allows
-# gets an entry with its reason in tests/abi/allowed.abignore (abidiff --suppressions); there is none yet. Then the same
+# gets an entry with its reason in tests/abi/allowed.abignore (abidiff --suppressions). Then the same
 # with a dump in which one thing is changed: abidiff must find it. diff.sh --update LIBRARY: writes libpupil.abi. Only
 # at a release. The one of 0.2.0 is from commit 8d67809, the last one in its part of CHANGELOG.md.
 set -eu
