@@ -213,8 +213,8 @@
 #define SENSOR_WRONG_TIMES  6
 /* The most steps without a response in a row that are counted: each doubles the next step. */
 #define SENSOR_UNANSWERED_MOST 4
-/* A pinned control is free again at the next large change of light after so many frames, or at once where it makes the
- * picture noisy. A noisy setting far from the profile is kept for so many in the same light. */
+/* A pinned control is free again at the next large change of light after so many frames. A noisy setting far from the
+ * profile is kept for so many. */
 #define SENSOR_PINNED_FRAMES 300
 /* How often a search may change the control that moves. */
 #define SENSOR_SWAPS 3

@@ -121,23 +121,17 @@ static int is_left_alone(const pupil_sensor_object *o, double total, double need
     return is_near && !o->search.is_exchanging && !o->search.is_searching && is_much_for_little(o, setting, need);
 }
 
-int pupil_sensor_is_noisy(const pupil_sensor_object *o, double more)
-{
-    const double *requested = o->estimate.requested;
-    double e, g;
-    if (o->estimate.noise_ev < SENSOR_CALM_EV)
-        return 0;
-    pupil_sensor_split_freely(o, requested[0] + requested[1] + more, &e, &g);
-    return pupil_log2(o->setting.gain / g) > 2.0 * SENSOR_EXCHANGE_EV;
-}
-
-/* Whether such a setting has held back highlights for long: noise counts as highlights. In each light the profile is
- * tried again once. */
-static int is_too_noisy(const pupil_sensor_object *o)
+/* Whether a setting far from the profile has held back highlights for long: more gain makes more noise, and noise
+ * counts as highlights. In each light the profile is tried again once. */
+static int is_noisy(const pupil_sensor_object *o)
 {
     const sensor_search *s = &o->search;
-    return !s->is_restored && s->since >= SENSOR_PINNED_FRAMES && o->plan.held_back_ev >= SENSOR_SETTLED_EV &&
-           pupil_sensor_is_noisy(o, 0.0);
+    double e, g;
+    if (s->is_restored || s->since < SENSOR_PINNED_FRAMES || o->plan.held_back_ev < SENSOR_SETTLED_EV ||
+        o->estimate.noise_ev < SENSOR_CALM_EV)
+        return 0;
+    pupil_sensor_split_freely(o, o->estimate.requested[0] + o->estimate.requested[1], &e, &g);
+    return pupil_log2(o->setting.gain / g) > 2.0 * SENSOR_EXCHANGE_EV;
 }
 
 static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need, double left)
@@ -171,7 +165,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
     if (!is_still && !pupil_sensor_is_pending(o)) {
         const double left = pupil_sensor_left_of(s->set, o->estimate.requested);
         const double need = o->plan.wanted - pupil_sensor_effect_asked(o);
-        if (is_too_noisy(o)) {
+        if (is_noisy(o)) {
             s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = 0;
             s->is_exchanging = s->is_restored = 1;
         }

@@ -260,7 +260,7 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     const double rest_ev = SENSOR_WRONG_EV + (s->rest_ev > SENSOR_WRONG_EV ? s->rest_ev : 0.0);
     s->is_resting &= other_light <= other_ev && size_of(need) <= rest_ev && o->plan.beyond == 0.0;
     s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
-    if (other_light > SENSOR_UNPIN_EV && (s->pinned_frames >= SENSOR_PINNED_FRAMES || pupil_sensor_is_noisy(o, need)))
+    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
     if (s->is_pinned[0] == s->is_pinned[1])

@@ -338,8 +338,6 @@ int pupil_sensor_is_part_of_exchange(const pupil_sensor_object *object, double t
 void pupil_sensor_count_frame(pupil_sensor_object *object); /* before anything asks whether a step is in force */
 void pupil_sensor_follow(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_begin(pupil_sensor_object *object, double total);
-/* Whether the picture is noisy and the gain far above the profile's, for a total of so many stops more. */
-int pupil_sensor_is_noisy(const pupil_sensor_object *object, double more);
 /* Asks for the setting with this effect. The step is not evaluated: no frame asked for it. */
 void pupil_sensor_move_to(pupil_sensor_object *object, double effect);
 
