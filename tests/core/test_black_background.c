@@ -91,7 +91,7 @@ static void a_background_of_0(uint32_t pixel)
 
 static void codes_count(uint32_t pixel)
 {
-    double mean;
+    double mean = 0;
     pupil_stats stats;
     frame f = frame_make(64, 64, pixel, 0, 0);
     frame_fill(&f, 0, 0, 0);
@@ -154,7 +154,7 @@ static void in_parts(void)
     } old;
     const uint32_t old_bytes = (uint32_t)offsetof(pupil_stats, black_weight);
     pupil_t pupil;
-    double mean;
+    double mean = 0;
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
     meter(&f, &whole);
     pupil_stats_clear(&sum);

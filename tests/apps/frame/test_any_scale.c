@@ -83,7 +83,9 @@ static void check_pictures(void)
         printf("light x %-8g times 2^%-3d  level %+.5f EV off, %.3f %% of the codes off, at most %d\n", scales[i],
                a.stops, off_ev, 100.0 * (double)differ / sizeof usual, most);
         const int beyond = usual_ev + log2(scales[i]) < -32.0;
-        CHECK_MSG(beyond ? e.reason == PUPIL_REASON_EV_MIN : most <= 1 && fabs(off_ev) < 2e-3, "x %g", scales[i]);
+        /* times 0.01, which is not scaled, the darkest pixels are at the floor, and no longer count */
+        const double most_ev = a.stops || scales[i] > 0.05 ? 2e-3 : 4e-3;
+        CHECK_MSG(beyond ? e.reason == PUPIL_REASON_EV_MIN : most <= 1 && fabs(off_ev) < most_ev, "x %g", scales[i]);
         frame_pipeline_close(&p);
         any_scale_close(&a);
     }

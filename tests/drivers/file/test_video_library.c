@@ -31,14 +31,15 @@ static const kind kinds[] = {{"PQ", AV_PIX_FMT_YUV420P10, PUPIL_PIXEL_I420_10, P
                              {"SDR of 8 bits", AV_PIX_FMT_YUV420P, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12,
                               PUPIL_MATRIX_BT709, PUPIL_LIGHT_SRGB, AVCOL_SPC_BT709, AVCOL_TRC_BT709, 2e-4}};
 
-/* In frames 0 to 4 luma has all codes of a part of its range, chroma is constant; from 5 on chroma rises along x. */
+/* In frames 0 to 4 luma has all codes of a part of its range, chroma is constant; from 5 on chroma rises along x. None
+ * is black, which replay's floats of SDR leave out of the level (config.h, floor). */
 #define FRAMES 7
 static int code_of(const clip *c, int frame, int component, int x, int y)
 {
     static const int chroma[FRAMES][2] = {{128, 128}, {150, 110}, {90, 140}, {120, 190}, {128, 128}, {0, 0}, {0, 0}};
     const int bits = av_pix_fmt_desc_get(c->format)->comp[0].depth, ten = bits == 10 ? 4 : 1;
     if (component == 0)
-        return (16 + 40 * frame % 120) * ten + (x + y * WIDTH) * 100 * ten / (WIDTH * HEIGHT);
+        return (17 + 40 * frame % 120) * ten + (x + y * WIDTH) * 100 * ten / (WIDTH * HEIGHT);
     return frame < 5 ? chroma[frame][component - 1] * ten : (90 + x / 2 + frame) * ten;
 }
 
