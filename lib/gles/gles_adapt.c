@@ -9,6 +9,7 @@
 /* 32 bits of 2^-24 stops end at 128, too. A curve's scale ends 60 stops from 1 (lib/core/curve.c), which 124 reach from
  * every level. */
 #define MOST_BASE_STOPS 124.0
+#define OFFSET_STOPS    32.0 /* as in the shaders */
 
 int pupil_gles_adapt_check(const pupil_config *c, pupil_why *why)
 {
@@ -98,7 +99,7 @@ void pupil_gles_adapt_set(const gles_object *o, GLuint program)
     gl->Uniform1ui(gl->GetUniformLocation(program, "sum_shift"), sum_shift(o));
     gl->Uniform1i(gl->GetUniformLocation(program, "is_locked"), o->settings.lock != 0);
     gl->Uniform1i(gl->GetUniformLocation(program, "is_black_left_out"), !(o->code_light > 0.0f));
-    gl->Uniform1ui(gl->GetUniformLocation(program, "black_log2"), (uint32_t)((black_log2 + 32.0) * 0x1p24));
+    gl->Uniform1ui(gl->GetUniformLocation(program, "black_log2"), (uint32_t)((black_log2 + OFFSET_STOPS) * 0x1p24));
     gl->Uniform1ui(gl->GetUniformLocation(program, "least_light"), (uint32_t)pupil_least_light(sum_of_weights(o)));
 }
 
