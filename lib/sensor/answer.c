@@ -37,10 +37,9 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     s->wrong_frames = 0;
     s->is_resting = s->is_searching = s->is_pinned[0] = s->is_pinned[1] = s->swaps = s->unanswered = 0;
     s->is_blunt = 0;
-    s->jump_ev = 0.0;
     o->white.highest = -SENSOR_FAR_AWAY;
     o->black.darkest = 0.0;
-    pupil_sensor_forget_points(s);
+    pupil_sensor_forget_ends(s);
     pupil_sensor_doubt(o);
     agree(o);
 }
@@ -96,7 +95,7 @@ static void weigh(pupil_sensor_object *o, double asked, double said, double seen
     pupil_sensor_weigh_told(o, asked, said, seen);
     if (!was && o->told.is_trusted) {
         s->is_searching = s->is_resting = s->is_pinned[0] = s->is_pinned[1] = s->swaps = 0;
-        pupil_sensor_forget_points(s);
+        pupil_sensor_forget_ends(s);
     }
 }
 
@@ -130,27 +129,6 @@ static void weigh_frame(pupil_sensor_object *o)
         weigh(o, said < 0.0 ? least - most : most - least, said, a->answered);
 }
 
-/* A small step of the setting and a large one of the picture: either the light changed, or the camera jumps there, as
- * gains do where one amplifier hands over to another. If the picture jumps up with a step up and down with a step down,
- * it is the camera, unless flicker moves it as far without a step. */
-static void find_jump(pupil_sensor_object *o)
-{
-    sensor_search *s = &o->search;
-    const sensor_estimate *a = &o->estimate;
-    const double moved = a->answered - a->stepped;
-    if (size_of(s->set - s->jump_total) > SENSOR_WRONG_EV)
-        s->jump_ev = 0.0;
-    const double size = size_of(moved);
-    if (a->stepped * moved <= 0.0 || size_of(a->stepped) > 0.5 * size || size < SENSOR_MISMATCH_EV ||
-        size > 2.0 * SENSOR_COARSE_STEP_EV)
-        return;
-    if (size_of(moved + s->jumped_ev) < SENSOR_ALIKE * size) {
-        s->jump_ev = size;
-        s->jump_total = s->set;
-    }
-    s->jumped_ev = moved;
-}
-
 /* Steps that are too small to be evaluated one by one: since the last setting that agreed, their sum has to do what it
  * should. */
 static void watch_small(pupil_sensor_object *o)
@@ -170,7 +148,6 @@ static void watch_small(pupil_sensor_object *o)
 void pupil_sensor_answer_frame(pupil_sensor_object *o, const sensor_evidence *v)
 {
     const int is_large = o->search.is_large, is_on_its_way = pupil_sensor_is_on_its_way(o);
-    find_jump(o);
     if (is_large && !is_on_its_way)
         weigh_step(o, v);
     else if (!o->told.is_trusted)

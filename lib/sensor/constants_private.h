@@ -17,8 +17,6 @@
     {                                                                                                                  \
         0.5, 0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.02                                                     \
     }
-/* Settings that a search remembers with their effects: both ends of the range, and earlier ones. */
-#define SENSOR_POINTS 6
 /* More stops than any light or setting has: "none", "unbounded". */
 #define SENSOR_FAR_AWAY 1e3
 /* The ends of a total's log2, so that 2^x is a normal number. */
@@ -151,7 +149,6 @@
 /* What a change of the setting leaves unexplained is the camera's above this, and above so many times the noise. */
 #define SENSOR_UNEXPLAINED_EV    0.05
 #define SENSOR_MISMATCH_EV       0.15 /* ... that starts a search */
-#define SENSOR_ALIKE             0.25 /* two jumps of the picture are the same one */
 #define SENSOR_UNEXPLAINED_NOISE 3.0
 /* Exposures that are remembered of a camera that rounds them: 16 stops of powers of two. */
 #define SENSOR_TOLD_RANGES 16
@@ -213,12 +210,11 @@
 #define SENSOR_WRONG_TIMES  6
 /* The most steps without a response in a row that are counted: each doubles the next step. */
 #define SENSOR_UNANSWERED_MOST 4
-/* A pinned control is free again at the next large change of light after so many frames. A noisy setting far from the
- * profile is kept for so many. */
+/* A noisy setting far from the profile is kept for so many frames. */
 #define SENSOR_PINNED_FRAMES 300
 /* How often a search may change the control that moves. */
 #define SENSOR_SWAPS 3
-/* At a larger change of the wanted effect a control is no longer pinned: no search settles further off than this. */
+/* At a larger change of the wanted effect a search is forgotten: no search settles further off than this. */
 #define SENSOR_UNPIN_EV 1.0
 /* A part of an exchange of exposure for gain: from one half period of the mains to two, which digital_ev covers. */
 #define SENSOR_EXCHANGE_EV 1.0

@@ -119,15 +119,19 @@ static void read_control(pupil_sensor_object *o, int c)
 }
 
 /* Metadata are stuck if they do not change although, longer ago than any delay, a control was asked for more than the
- * coarsest step of any camera: they are not this frame's. */
+ * coarsest step of any camera: they are not this frame's. Frames that a slow program loses do not count, because those
+ * that arrive have waited in the driver. */
 static int are_stuck(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
     const uint32_t late = o->config.delay_frames + SENSOR_LATE_FRAMES;
-    for (uint32_t h = late; h + 1 < SENSOR_RING && h < a->said_frames; h++)
-        for (int c = 0; c < SENSOR_CONTROLS; c++)
+    uint32_t arrived = 1;
+    for (uint32_t h = 0; h + 1 < SENSOR_RING && h < a->said_frames; h++) {
+        for (int c = 0; h >= late && arrived > SENSOR_LATE_FRAMES && c < SENSOR_CONTROLS; c++)
             if (size_of(in_force(a, c, h, 0) - in_force(a, c, h + 1, 0)) > SENSOR_COARSE_STEP_EV)
                 return 1;
+        arrived += h > 0 && a->past[(a->frame + SENSOR_RING - h) % SENSOR_RING].gap;
+    }
     return 0;
 }
 

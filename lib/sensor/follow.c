@@ -98,8 +98,7 @@ static int is_due(pupil_sensor_object *o, double need, double left)
     }
     const int is_as_chosen = size_of(need - left) <= hold_ev && size_of(left) < SENSOR_COARSE_EV;
     const int is_held = size_of(need) <= hold_ev || is_as_chosen;
-    const int is_near_jump = !s->is_searching && size_of(need) <= 0.5 * s->jump_ev + hold_ev;
-    const int is_small = (s->is_blunt ? size_of(need) <= large_ev : is_held) || is_near_jump;
+    const int is_small = s->is_blunt ? size_of(need) <= large_ev : is_held;
     return !s->is_resting && !is_backward && (!is_small || o->plan.beyond != 0.0 || s->is_exchanging);
 }
 
@@ -157,8 +156,7 @@ void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
     pupil_sensor_answer_frame(o, v);
-    if (!pupil_sensor_is_on_its_way(o))
-        pupil_sensor_remember(o);
+    pupil_sensor_remember(o);
     const int is_still = o->config.lock || o->announced.frames;
     if (!is_still)
         pupil_sensor_watch_error(o);
@@ -195,7 +193,7 @@ void pupil_sensor_begin(pupil_sensor_object *o, double total)
     const pupil_sensor_config *c = &o->config;
     double least, most;
     s->is_pinned[0] = s->is_pinned[1] = s->is_searching = s->is_resting = 0;
-    pupil_sensor_forget_points(s);
+    pupil_sensor_forget_ends(s);
     pupil_sensor_path_ends(o, &least, &most);
     const int is_held = c->exposure_mode == PUPIL_SENSOR_HELD && c->gain_mode == PUPIL_SENSOR_HELD;
     if (!(is_held && o->setting.frames && size_of(total - most) < 1.0))

@@ -1,69 +1,63 @@
 /* The search for a setting on a camera that responds otherwise than its numbers say. Because more never makes the
- * picture darker, the wanted effect is between a point that was seen below it and one above it. One control moves, the
- * other one is pinned. */
+ * picture darker, the wanted effect is between two ends: the brightest setting that was too dark, and the darkest that
+ * was not. One control moves, the other one is pinned. What a search has found holds until the light changes. */
 #include "sensor_private.h"
 
 #include "base/numeric.h"
 
-void pupil_sensor_forget_points(sensor_search *s)
+void pupil_sensor_forget_ends(sensor_search *s)
 {
-    __builtin_memset(s->point, 0, sizeof s->point);
+    s->low.is_seen = s->high.is_seen = s->is_half = 0;
 }
 
-/* Remembers the requested setting and its effect. Points that contradict it are outdated, because more never makes the
- * picture darker. */
-void pupil_sensor_remember(pupil_sensor_object *o)
-{
-    sensor_search *s = &o->search;
-    const sensor_estimate *a = &o->estimate;
-    const sensor_point now = {
-        .total = s->set, .setting = {a->requested[0], a->requested[1]}, .effect = a->effect, .is_used = 1};
-    sensor_point *place = 0;
-    for (sensor_point *p = s->point; p < s->point + SENSOR_POINTS; p++) {
-        const int is_same = p->setting[0] == now.setting[0] && p->setting[1] == now.setting[1];
-        const double more = p->setting[0] + p->setting[1] - now.setting[0] - now.setting[1];
-        if (p->is_used && !is_same &&
-            (more > 0.0 ? p->effect < now.effect - SENSOR_UNEXPLAINED_EV
-                        : p->effect > now.effect + SENSOR_UNEXPLAINED_EV))
-            p->is_used = 0;
-        if (p->is_used && is_same)
-            place = p;
-    }
-    if (!place) {
-        place = &s->point[s->next];
-        s->next = (s->next + 1) % SENSOR_POINTS;
-    }
-    *place = now;
-}
-
-static double sum_of(const sensor_point *p)
+static double sum_of(const sensor_seen *p)
 {
     return p->setting[0] + p->setting[1];
 }
 
-/* The brightest setting of those that were too dark, and the darkest of those that were not: compared by setting,
- * because noise decides which of two equal effects is larger. */
-static void surround(const pupil_sensor_object *o, const sensor_point **low, const sensor_point **high)
+/* The wanted effect may have moved beyond an end, which is then the other one. */
+static void turn_ends(sensor_search *s, double wanted)
 {
-    *low = *high = 0;
-    for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
-        if (p->is_used && p->effect < o->plan.wanted && (!*low || sum_of(p) > sum_of(*low)))
-            *low = p;
-        if (p->is_used && p->effect >= o->plan.wanted && (!*high || sum_of(p) < sum_of(*high)))
-            *high = p;
+    if (s->low.is_seen && s->low.effect >= wanted) {
+        s->high = s->low;
+        s->low.is_seen = 0;
+    } else if (s->high.is_seen && s->high.effect < wanted) {
+        s->low = s->high;
+        s->high.is_seen = 0;
     }
 }
 
-/* Stops over which settings, up to this one or from it on, all have its effect. */
-static double flat_ev(const pupil_sensor_object *o, const sensor_point *from)
+/* If a setting has another effect now, it came later than expected, and what was seen was the setting before. */
+static void check_end(sensor_seen *end, const sensor_estimate *a)
 {
-    double widest = 0.0;
-    for (const sensor_point *p = o->search.point; p < o->search.point + SENSOR_POINTS; p++) {
-        const double width = size_of(sum_of(p) - sum_of(from));
-        if (p->is_used && size_of(p->effect - from->effect) < SENSOR_UNEXPLAINED_EV && width > widest)
-            widest = width;
+    if (end->setting[0] == a->in_force[0] && end->setting[1] == a->in_force[1] &&
+        size_of(end->effect - a->effect) > SENSOR_WRONG_EV)
+        end->is_seen = 0;
+}
+
+/* The requested setting is in force: it is the new end on its side. More never makes the picture darker: an end that
+ * contradicts it is void. */
+static void remember_requested(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const sensor_seen now = {
+        .total = s->set, .setting = {a->requested[0], a->requested[1]}, .effect = a->effect, .is_seen = 1};
+    const int is_dark = now.effect < o->plan.wanted;
+    turn_ends(s, o->plan.wanted);
+    *(is_dark ? &s->low : &s->high) = now;
+    if (s->low.is_seen && s->high.is_seen && sum_of(&s->low) >= sum_of(&s->high))
+        (is_dark ? &s->high : &s->low)->is_seen = 0;
+}
+
+void pupil_sensor_remember(pupil_sensor_object *o)
+{
+    if (!pupil_sensor_is_on_its_way(o)) {
+        remember_requested(o);
+        return;
     }
-    return widest;
+    check_end(&o->search.low, &o->estimate);
+    check_end(&o->search.high, &o->estimate);
 }
 
 /* Whether a control has `need` stops left from a setting on, up to the largest gain that the camera has. */
@@ -93,9 +87,8 @@ static void move_only(pupil_sensor_object *o, int control, const double setting[
     s->is_pinned[other] = 1;
     s->pinned[other] = setting[other];
     s->mover = (uint32_t)control;
-    s->pinned_frames = 0;
     s->rest_wanted = o->plan.wanted;
-    pupil_sensor_forget_points(s);
+    pupil_sensor_forget_ends(s);
 }
 
 /* The other control does the rest, from a setting on, if it can and the mover has not changed too often. */
@@ -155,9 +148,9 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
     pupil_sensor_remember(o);
 }
 
-/* The control that moves has no setting between two points: it stays at one of them, and the other control does the
+/* The control that moves has no setting between the ends: it stays at one of them, and the other control does the
  * rest. Returns whether that one can. */
-static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
+static int swap(pupil_sensor_object *o, const sensor_seen *low, const sensor_seen *high)
 {
     sensor_search *s = &o->search;
     const double wanted = o->plan.wanted;
@@ -176,51 +169,56 @@ static int swap(pupil_sensor_object *o, const sensor_point *low, const sensor_po
     return 1;
 }
 
-/* There is a jump between two points whose effects differ by more than any tone curve makes of their settings. */
-static int is_jump(const sensor_point *low, const sensor_point *high)
+/* There is a jump between two ends whose effects differ by more than any tone curve makes of their settings. */
+static int is_jump(const sensor_seen *low, const sensor_seen *high)
 {
     return high->effect - low->effect > SENSOR_STEEP_MOST * (sum_of(high) - sum_of(low));
 }
 
-/* There is nothing between two points if the total to be tried has the setting of one of them. */
-static int is_closed(const pupil_sensor_object *o, const sensor_point *low, const sensor_point *high, double middle)
+/* Whether there is a setting between the two at this share of the way; its total. */
+static int is_between(const pupil_sensor_object *o, const sensor_seen *low, const sensor_seen *high, double share,
+                      double *total)
 {
     double setting[SENSOR_CONTROLS];
-    (void)pupil_sensor_effect_of(o, middle, setting);
+    const double gap = high->total - low->total;
+    *total = low->total + gap * share;
+    (void)pupil_sensor_effect_of(o, *total, setting);
     const int is_low = setting[0] == low->setting[0] && setting[1] == low->setting[1];
     const int is_high = setting[0] == high->setting[0] && setting[1] == high->setting[1];
-    return high->total - low->total <= SENSOR_GAP_EV || is_low || is_high;
+    return gap > SENSOR_GAP_EV && !is_low && !is_high;
 }
 
-/* Between the points that were seen: by the slope, or in the middle where one of them is the end of settings that all
- * do the same. If nothing is left between them, the search ends at the nearer one. */
-static double narrow(pupil_sensor_object *o, const sensor_point *low, const sensor_point *high)
+/* Between the ends: by turns by the slope and in the middle, so that any camera's gap is halved in two steps. If
+ * nothing is left between them, the search ends at the nearer one. */
+static double narrow(pupil_sensor_object *o, const sensor_seen *low, const sensor_seen *high)
 {
     sensor_search *s = &o->search;
-    const double gap = high->total - low->total, wanted = o->plan.wanted, step_ev = high->effect - low->effect;
-    const double share = (wanted - low->effect) / step_ev;
-    const int is_flat = flat_ev(o, low) > SENSOR_GAP_EV || flat_ev(o, high) > SENSOR_GAP_EV;
-    const double middle = low->total + gap * (is_flat ? 0.5 : clamp(share, SENSOR_NARROW, 1.0 - SENSOR_NARROW));
-    const int is_end = is_closed(o, low, high, middle);
-    if ((is_end || is_jump(low, high)) && swap(o, low, high))
+    const double wanted = o->plan.wanted, step_ev = high->effect - low->effect;
+    const double slope = clamp((wanted - low->effect) / step_ev, SENSOR_NARROW, 1.0 - SENSOR_NARROW);
+    double total;
+    const double share = s->is_half ? 0.5 : slope;
+    const int is_open = is_between(o, low, high, share, &total) || is_between(o, low, high, 0.5, &total);
+    s->is_half = !s->is_half;
+    if ((!is_open || is_jump(low, high)) && swap(o, low, high))
         return s->total;
-    if (!is_end)
-        return middle;
-    const sensor_point *near = wanted - low->effect < high->effect - wanted ? low : high;
+    if (is_open)
+        return total;
+    const sensor_seen *near = wanted - low->effect < high->effect - wanted ? low : high;
     (void)rest_at(o, near->total, wanted - near->effect);
     s->step_ev = step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
     return near->total;
 }
 
-/* All points are on one side: further by what is wanted; if settings did nothing, by at least the width of their
- * range. */
-static double widen(const pupil_sensor_object *o, const sensor_point *from, double total)
+/* One end is not known: further by what is wanted; if the last step did nothing, by at least twice as much. */
+static double widen(const pupil_sensor_object *o, double total, double need)
 {
-    const double flat = flat_ev(o, from), step = total - from->total;
-    if (flat < SENSOR_GAP_EV)
+    const sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    const double step_ev = size_of(a->requested[0] + a->requested[1] - s->from[0] - s->from[1]);
+    if (size_of(a->effect - s->effect_from) >= SENSOR_UNEXPLAINED_EV)
         return total;
-    const double least = larger(flat, SENSOR_WRONG_EV);
-    return size_of(step) > least ? total : from->total + (o->plan.wanted > from->effect ? least : -least);
+    const double least = larger(2.0 * step_ev, SENSOR_WRONG_EV);
+    return size_of(total - s->set) > least ? total : s->set + (need > 0.0 ? least : -least);
 }
 
 static int is_requested(const pupil_sensor_object *o, double total)
@@ -242,11 +240,26 @@ static double leave(pupil_sensor_object *o, double need)
     return rest_at(o, s->set, need);
 }
 
-/* The control that moves is at its end. */
+/* The control that moves is at its end, and has not been further than what is wanted. */
 static int is_at_end(const pupil_sensor_object *o, double need)
 {
-    return is_requested(o, need < 0.0 ? -SENSOR_TOTAL_END_EV : SENSOR_TOTAL_END_EV) ||
-           !has_room(o, (int)o->search.mover, o->estimate.requested, need);
+    const int has_ends = o->search.low.is_seen && o->search.high.is_seen;
+    return !has_ends && (is_requested(o, need < 0.0 ? -SENSOR_TOTAL_END_EV : SENSOR_TOTAL_END_EV) ||
+                         !has_room(o, (int)o->search.mover, o->estimate.requested, need));
+}
+
+/* The control that moves did nothing in two steps: the other one does the rest. A gain is left where the profile has
+ * it, so that it adds no noise. */
+static int replace_mover(pupil_sensor_object *o, double need)
+{
+    const int other = SENSOR_CONTROLS - 1 - (int)o->search.mover;
+    double setting[SENSOR_CONTROLS] = {o->estimate.requested[0], o->estimate.requested[1]}, e, g;
+    if (o->search.unanswered < 2)
+        return 0;
+    pupil_sensor_split_freely(o, setting[0] + setting[1], &e, &g);
+    if (other == SENSOR_EXPOSURE)
+        setting[SENSOR_GAIN] = pupil_log2(g);
+    return hand_over(o, other, setting, need);
 }
 
 /* Decides whether a search continues, and with which control. `need` is what the requested setting lacks. */
@@ -259,34 +272,27 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
     /* a search that ended within the promise continues when the error exceeds it */
     const double rest_ev = SENSOR_WRONG_EV + (s->rest_ev > SENSOR_WRONG_EV ? s->rest_ev : 0.0);
     s->is_resting &= other_light <= other_ev && size_of(need) <= rest_ev && o->plan.beyond == 0.0;
-    s->pinned_frames += s->pinned_frames < SENSOR_PINNED_FRAMES;
-    if (s->pinned_frames >= SENSOR_PINNED_FRAMES && other_light > SENSOR_UNPIN_EV)
+    if (other_light > SENSOR_UNPIN_EV)
         s->is_pinned[0] = s->is_pinned[1] = 0;
     s->is_searching &= size_of(need) > SENSOR_OFF_EV || s->is_resting;
     if (s->is_pinned[0] == s->is_pinned[1])
         return;
-    const int other = SENSOR_CONTROLS - 1 - (int)s->mover;
-    if (s->unanswered > 1 && hand_over(o, other, o->estimate.requested, need)) {
-        s->unanswered = 0; /* the control that moves does nothing */
+    if (replace_mover(o, need)) {
+        s->unanswered = 0;
     } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && is_at_end(o, need)) {
         s->is_pinned[0] = s->is_pinned[1] = 0;
-        pupil_sensor_forget_points(s);
+        pupil_sensor_forget_ends(s);
     }
 }
 
 double pupil_sensor_search_at(pupil_sensor_object *o, double total, double need)
 {
     sensor_search *s = &o->search;
-    const sensor_point *low, *high;
     if (!s->is_searching)
         return total;
     if (is_near(o, need))
         return rest_at(o, s->set, need);
-    surround(o, &low, &high);
-    double at = total;
-    if (low && high)
-        at = narrow(o, low, high);
-    else if (low || high)
-        at = widen(o, low ? low : high, total);
+    const sensor_seen low = s->low, high = s->high;
+    const double at = low.is_seen && high.is_seen ? narrow(o, &low, &high) : widen(o, total, need);
     return !s->is_resting && is_requested(o, at) ? leave(o, need) : at;
 }

@@ -134,13 +134,13 @@ typedef struct sensor_plan {
 /* --- follow --- */
 
 /* A setting that was seen. */
-typedef struct sensor_point {
+typedef struct sensor_seen {
     double total; /* asked for, log2 */
     double setting[SENSOR_CONTROLS];
     double effect;
-    uint32_t is_used;
+    uint32_t is_seen;
     uint32_t reserved;
-} sensor_point;
+} sensor_seen;
 
 /* A range of requested exposures that the camera rounds to the same one: told.c. */
 typedef struct sensor_told_range {
@@ -161,9 +161,8 @@ typedef struct sensor_search {
     double effect_from;             /* its effect */
     double pinned[SENSOR_CONTROLS]; /* value of a control that is fixed while the other one moves */
     uint32_t is_pinned[SENSOR_CONTROLS];
-    uint32_t mover; /* the control that moves while the other one is pinned */
-    uint32_t swaps; /* changes of the mover in this search */
-    uint32_t pinned_frames;
+    uint32_t mover;      /* the control that moves while the other one is pinned */
+    uint32_t swaps;      /* changes of the mover in this search */
     double rest_wanted;  /* wanted effect when the search ended or a control was pinned */
     double step_ev;      /* stops between the two neighbouring settings at one of which a search ended; else 0 */
     double rest_ev;      /* error of the setting at which a search ended */
@@ -177,18 +176,15 @@ typedef struct sensor_search {
     double blunt_wanted; /* the effect that was wanted then */
     double agreed[SENSOR_CONTROLS]; /* the last setting that did what it should */
     double agreed_effect;           /* its effect */
-    double jumped_ev;               /* jump of the picture when a small step last came with one */
-    double jump_ev;                 /* the camera jumps by so much near jump_total; 0: no jump is known */
-    double jump_total;
     uint32_t is_searching, is_resting;
     uint32_t unanswered;  /* large steps in a row that did nothing */
     uint32_t deaf;        /* the same, not reset by a doubt; at most 2 */
     uint32_t weak;        /* the same that did less than expected; at most 2 */
-    uint32_t next;        /* the point that is overwritten next */
     uint32_t is_restored; /* the profile was tried again in this light */
     uint32_t reserved;
     uint32_t is_exchanging; /* one control is exchanged for the other in parts */
-    sensor_point point[SENSOR_POINTS];
+    uint32_t is_half;       /* the next step between the ends goes to their middle */
+    sensor_seen low, high;  /* the ends: the brightest that was too dark, the darkest that was not */
 } sensor_search;
 
 /* --- day and night --- */
@@ -319,9 +315,9 @@ double pupil_sensor_total_for(const pupil_sensor_object *object, double need);
 void pupil_sensor_answer_frame(pupil_sensor_object *object, const sensor_evidence *evidence);
 void pupil_sensor_watch_error(pupil_sensor_object *object);
 
-/* search.c: remembers the requested setting as a point. `need`: the effect that it lacks. */
+/* search.c: remembers the requested setting as an end, once it is in force. `need`: the effect that it lacks. */
 void pupil_sensor_remember(pupil_sensor_object *object);
-void pupil_sensor_forget_points(sensor_search *search);
+void pupil_sensor_forget_ends(sensor_search *search);
 /* By how much a level that highlights hold may be wrong: highlights are known from bins. */
 double pupil_sensor_doubt_ev(const pupil_sensor_object *object);
 void pupil_sensor_begin_search(pupil_sensor_object *object, double need);

@@ -32,7 +32,7 @@ static void begin(uint64_t random, int law, double slope)
 
 static void test_gain_goes_back(void)
 {
-    begin(1080, LAW_FINE, 1.74);
+    begin(16, LAW_FINE, 1.74);
     pupil_sensor_setting s = turns(FOUND);
     CHECK_MSG(s.gain > 4.0 && s.exposure_s < 0.01, "after the search: %g s x %g", s.exposure_s, s.gain);
     s = turns(TRIED);

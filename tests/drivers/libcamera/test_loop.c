@@ -123,7 +123,7 @@ static void test_slow_programs(void)
             fake_libcamera_light(r.fake, 0.125);
             rig_run(&r, 80);
             const double aim = log2(0.01 * 0.05 / 0.18);
-            unsigned settled = 0, frames = late == PUPIL_LIVE_LATE_KEPT ? 60 : 16;
+            unsigned settled = 0, frames = late == PUPIL_LIVE_LATE_KEPT ? 30 : 16;
             fake_libcamera_light(r.fake, 1.0);
             for (unsigned i = 0; i < 100; i++) {
                 rig_run(&r, 1);
