@@ -329,7 +329,9 @@ static void follow_effect(pupil_sensor_object *o, double least, double most, dou
 {
     sensor_estimate *a = &o->estimate;
     sensor_past *now = &a->past[a->frame % SENSOR_RING];
-    const int is_other = a->best[0] != a->best_before[0] || a->best[1] != a->best_before[1];
+    /* without metadata another guess is made, which says nothing of the frames before */
+    const int is_other =
+        a->reports == a->reports_before && (a->best[0] != a->best_before[0] || a->best[1] != a->best_before[1]);
     const double redone = is_other ? redo(a) : 0.0;
     int changes;
     *now = (sensor_past){.least = least, .most = most, .wrong_ev = wrong_ev, .gap = a->gap};
@@ -339,6 +341,7 @@ static void follow_effect(pupil_sensor_object *o, double least, double most, dou
         now->reported[c] = a->reported[c];
         a->best_before[c] = a->best[c];
     }
+    a->reports_before = a->reports;
     a->stepped = 0.0;
     for (int c = 0; c < SENSOR_CONTROLS; c++)
         a->stepped += in_force(a, c, a->best[c], 0) - in_force(a, c, a->best[c], a->gap);

@@ -36,7 +36,8 @@ uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *o)
 int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    int is_there = 1, is_late = !a->reports && a->gap > 1;
+    const int is_found = a->delay[0] || a->delay[1];
+    int is_there = 1, is_late = !a->reports && a->gap > 1 && !is_found;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         const int is_in = size_of(a->in_force[c] - a->requested[c]) < SENSOR_DIFFER_EV;
         is_there &= is_in;

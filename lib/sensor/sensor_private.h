@@ -97,10 +97,12 @@ typedef struct sensor_estimate {
     uint32_t delay[SENSOR_CONTROLS]; /* frames; 0: not found yet */
     uint32_t said_frames;            /* frames since the metadata moved */
     uint32_t reports;                /* this frame has metadata of both controls, not stuck */
+    uint32_t reports_before;         /* the frame before had them */
     uint32_t is_borne_out;           /* the picture has moved as the metadata say */
     uint32_t seen;                   /* bit mask of controls whose own response was learned */
     uint32_t is_searching;           /* copy of sensor_search's */
     uint32_t learned;                /* a response was learned */
+    uint32_t reserved;
     float cost[SENSOR_GUESSES][SENSOR_GUESSES];
 } sensor_estimate;
 
