@@ -49,6 +49,8 @@ typedef struct pupil_frame {
     const void *coded;  /* the frame as it came, where that was compressed (MJPG); NULL: the image is as it came */
     size_t coded_bytes; /* of coded */
     const pupil_frame_dmabuf *dmabuf; /* the same image; NULL: it is in this process alone */
+    float code_light; /* floats that are decoded codes: the light of the first code above black, for pupil_stats; 0:
+                       * they are light, or the image has the codes themselves */
     double window[4]; /* x, y, width and height, in fractions, of the picture in it; what is around that is filled in
                        * and not to be metered (a data window of OpenEXR). A width of 0: all of it */
 } pupil_frame;

@@ -38,9 +38,9 @@ static size_t floats_of(uint32_t pixel)
     return pixel == PUPIL_PIXEL_RGB32F || pixel == PUPIL_PIXEL_BGR32F ? 3 : 0;
 }
 
-int any_scale_concerns(uint32_t pixel)
+int any_scale_concerns(const pupil_frame *frame)
 {
-    return floats_of(pixel) != 0;
+    return floats_of(frame->image.pixel) != 0 && !(frame->code_light > 0.0f);
 }
 
 /* What a frame's samples say of its unit. */
@@ -165,19 +165,29 @@ static int multiply(any_scale *a, pupil_image_const *image, size_t floats, pupil
     return 0;
 }
 
+/* Once a frame had a gain, each needs one: without it the library takes the last. */
+static void state_gain(const any_scale *a, pupil_frame_info *info)
+{
+    if (!a->unit_stops && !a->noise_known)
+        return;
+    info->exposure_s = info->exposure_s > 0.0 ? info->exposure_s : 1.0;
+    info->gain = ldexp(info->gain > 0.0 ? info->gain : 1.0, a->stops);
+}
+
 int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why)
 {
     const size_t floats = floats_of(frame->image.pixel);
-    pupil_frame_info *info = &frame->info;
-    if (!floats)
+    if (!any_scale_concerns(frame)) {
+        a->stops = 0;
+        state_gain(a, &frame->info);
         return 0;
+    }
     const sight s = look(&frame->image, floats, a->known ? LATER_SAMPLES : SAMPLES);
     if (s.lit)
         choose(a, &s);
-    if (!a->stops && !a->noise_known)
-        return 0; /* once a frame had a gain, each needs one: without it the library takes the last */
-    info->exposure_s = info->exposure_s > 0.0 ? info->exposure_s : 1.0;
-    info->gain = ldexp(info->gain > 0.0 ? info->gain : 1.0, a->stops);
+    else if (!a->stops)
+        a->stops = a->unit_stops;
+    state_gain(a, &frame->info);
     return a->stops ? multiply(a, &frame->image, floats, why) : 0;
 }
 

@@ -19,8 +19,8 @@ typedef struct any_scale {
     size_t bytes;
 } any_scale;
 
-/* Whether frames of this pupil_pixel have a unit: floats. */
-int any_scale_concerns(uint32_t pixel);
+/* Whether the frame has a unit: floats, unless they are decoded codes. */
+int any_scale_concerns(const pupil_frame *frame);
 
 /* A frame that has to be multiplied is copied to memory of its own; any other is left alone. -1 and a sentence. */
 int any_scale_take(any_scale *a, pupil_frame *frame, pupil_why *why);

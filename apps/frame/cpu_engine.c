@@ -133,6 +133,8 @@ static int pass(cpu_engine *e, const pupil_t *pupil, const pupil_frame *frame, p
         error = e->error[i];
     if (!error && stats)
         error = merge(e, stats);
+    if (stats && frame->code_light > 0.0f)
+        stats->code_light = frame->code_light;
     return error ? pupil_refuse(why, "%s: %s", frame->name, pupil_error_string(error)) : 0;
 }
 

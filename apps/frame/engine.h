@@ -8,7 +8,8 @@
 
 /* Each returns 0, or -1 and a sentence. */
 typedef struct frame_engine_ops {
-    /* Writes the frame's statistics. The level stays as it is; an engine without a histogram retunes `pupil`. */
+    /* Writes the frame's statistics, with its code_light where it has one. The level stays as it is; an engine without
+     * a histogram retunes `pupil`. */
     int (*meter)(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_stats *stats, pupil_why *why);
 
     /* Maps the frame that was metered last to an RGB8 image. */

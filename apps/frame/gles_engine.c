@@ -200,6 +200,8 @@ static int meter(void *self, pupil_t *pupil, const pupil_frame *frame, pupil_sta
     error = pupil_gles_collect(&g->gles, COLLECT_NS, stats, NULL);
     if (error < 0)
         return say(why, error, "reading statistics back");
+    if (frame->code_light > 0.0f)
+        stats->code_light = frame->code_light;
     return error ? pupil_refuse(why, "the GPU has not metered a frame within ten seconds") : 0;
 }
 

@@ -47,7 +47,7 @@ static int find_unit(split_input *s, pupil_why *why)
         const int got = next(s, &frame, why);
         if (got <= 0)
             return got;
-        more = any_scale_concerns(frame.image.pixel);
+        more = any_scale_concerns(&frame);
         const int failed = any_scale_take(&s->scale, &frame, why);
         pupil_source_done(s->source, &frame);
         if (failed)

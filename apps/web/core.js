@@ -30,6 +30,7 @@ class Core {
     constructor(calls) {
         this.calls = calls;
         this.settings = {};
+        this.codeLight = 0; // of floats that were codes: their first code's light
         calls.begin();
     }
 
@@ -76,7 +77,7 @@ class Core {
     }
 
     meter() {
-        this.check(this.calls.meter());
+        this.check(this.calls.meter(this.codeLight));
     }
 
     adapt(timestampNs, exposureS, gain) {

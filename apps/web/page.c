@@ -164,11 +164,15 @@ void page_light(const float *from, float *to, uint32_t count, float factor)
         to[i] = from[i] * factor;
 }
 
-EXPORT("meter") int page_meter(void);
-int page_meter(void)
+/* code_light: of floats that were codes, as in pupil_stats; 0: they are light. */
+EXPORT("meter") int page_meter(float code_light);
+int page_meter(float code_light)
 {
     pupil_stats_clear(&stats);
-    return pupil_meter_rows(&engine[0], &frame, 0, frame.height, &stats);
+    const int result = pupil_meter_rows(&engine[0], &frame, 0, frame.height, &stats);
+    if (code_light > 0.0f)
+        stats.code_light = code_light;
+    return result;
 }
 
 /* exposure_s and gain: 0 where they are unknown. */

@@ -114,6 +114,7 @@ class Page {
         cancelAnimationFrame(this.ticking);
         this.frames?.stop();
         this.still = this.frames = this.exposure = null;
+        this.core.codeLight = 0;
         at("loop").checked = false;
         at("exposure").hidden = at("device").hidden = true;
         this.stopRecording("Another source was chosen");
@@ -126,7 +127,7 @@ class Page {
         this.stopSource();
         const floats = still.pixel === PIXEL.RGB32F;
         this.core.make(still.pixel, still.width, still.height);
-        this.stops = floats ? stopsForUnit(still.data, still.width, still.height) : 0;
+        this.stops = floats && !still.codeLight ? stopsForUnit(still.data, still.width, still.height) : 0;
         const bytes = new Uint8Array(still.data.buffer, still.data.byteOffset, still.data.byteLength);
         this.core.bytes(this.core.lightAt, this.core.frameBytes).set(bytes);
         this.core.bytes(this.core.frameAt, this.core.frameBytes).set(bytes);
@@ -158,6 +159,7 @@ class Page {
         const began = performance.now();
         if (floats)
             this.core.calls.light(this.core.lightAt, this.core.frameAt, this.core.frameBytes / 4, 2 ** (ev + this.stops));
+        this.core.codeLight = (this.still.codeLight ?? 0) * 2 ** ev;
         this.times.add("read", performance.now() - began);
         this.frame(RGB_CODING, BigInt(Math.round(now * 1e6)), this.stops ? 1 : 0, this.stops ? 2 ** this.stops : 0);
     }

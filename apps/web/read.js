@@ -25,7 +25,8 @@ async function readByBrowser(bytes) {
     return { width: bitmap.width, height: bitmap.height, pixel: PIXEL.RGBA8, data };
 }
 
-// Returns { width, height, pixel, data }, with the data as the core's format `pixel` has them.
+// Returns { width, height, pixel, data }, with the data as the core's format `pixel` has them; codeLight: floats that were
+// codes, as in drivers/source.h.
 async function readPicture(bytes) {
     const begins = (...values) => values.every((v, i) => bytes[i] === v);
     if (begins(0x76, 0x2f, 0x31, 0x01))

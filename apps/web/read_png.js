@@ -57,6 +57,7 @@ const PNG_CURVES = {
     },
     18: (v) => (v <= 0.5 ? (v * v) / 3 : (Math.exp((v - 0.55991073) / 0.17883277) + 0.28466892) / 12),
 };
+const SDR_CODE_LIGHT = 1 / 255 / 12.92; // drivers/file/common/transfer_curves.h
 const BT2020_XY = [0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290];
 const P3_XY = [0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290];
 
@@ -158,5 +159,7 @@ async function readPng(bytes) {
     if (asIs)
         return { width, height, pixel: PIXEL.RGB8, data: to };
     convertTo709(to, matrix);
-    return { width, height, pixel: PIXEL.RGB32F, data: to };
+    const isSdr = ![PNG_CURVES[8], PNG_CURVES[16], PNG_CURVES[18]].includes(colour.curve);
+    const codeLight = isSdr ? SDR_CODE_LIGHT : colour.curve(1 / ((1 << Math.max(bits, 8)) - 1));
+    return { width, height, pixel: PIXEL.RGB32F, data: to, codeLight };
 }

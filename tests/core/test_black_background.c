@@ -142,6 +142,26 @@ static void trimmed(void)
     frame_free(&object);
 }
 
+/* A caller whose floats are decoded codes says so by code_light: black counts, and noise stays dark. */
+static void decoded_codes(void)
+{
+    double mean = 0;
+    pupil_stats stats;
+    pupil_exposure exposure;
+    pupil_t pupil;
+    frame f = frame_make(160, 90, PUPIL_PIXEL_RGBA32F, 0, 0);
+    const double light = object_on_black(&f, 20, 10, 60, 50);
+    meter(&f, &stats);
+    CHECK(!(stats.code_light > 0) && fabs(level_of_stats(&stats) - light) < 1e-6);
+    stats.code_light = 0x1p-12f;
+    CHECK(pupil_stats_mean(&stats, 0, 1, &mean) == PUPIL_OK && mean < light - 5);
+    CHECK(fabs(level_of_stats(&stats) - mean) < 1e-12);
+    CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK &&
+          pupil_get_exposure(&pupil, &exposure) == PUPIL_OK);
+    CHECK(exposure.reason == PUPIL_REASON_AMPLIFICATION && fabs(exposure.adapted_ev - (log2(0.18) - 4)) < 1e-9);
+    frame_free(&f);
+}
+
 /* Groups of rows in any order, and statistics of a caller that does not know black_weight: there black counts. */
 static void in_parts(void)
 {
@@ -218,6 +238,7 @@ int main(int argc, char **argv)
     codes_count(PUPIL_PIXEL_GREY8);
     odd_pixels();
     trimmed();
+    decoded_codes();
     in_parts();
     fade();
     return check_end();

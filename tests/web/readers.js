@@ -26,7 +26,7 @@ function random(below) {
 
 async function levelOf(core, bytes) {
     const still = await page.readPicture(bytes), floats = still.pixel === page.PIXEL.RGB32F;
-    const stops = floats ? page.stopsForUnit(still.data, still.width, still.height) : 0;
+    const stops = floats && !still.codeLight ? page.stopsForUnit(still.data, still.width, still.height) : 0;
     core.make(still.pixel, still.width, still.height);
     core.bytes(core.lightAt, core.frameBytes).set(new Uint8Array(still.data.buffer, 0, core.frameBytes));
     core.bytes(core.frameAt, core.frameBytes).set(new Uint8Array(still.data.buffer, 0, core.frameBytes));
@@ -36,6 +36,7 @@ async function levelOf(core, bytes) {
     core.set("metering", 0);
     if (still.window)
         core.calls.region(still.window.x, still.window.y, still.window.width, still.window.height);
+    core.codeLight = still.codeLight ?? 0;
     core.take({ matrix: 0, range: 1 });
     core.meter();
     core.adapt(0n, stops ? 1 : 0, stops ? 2 ** stops : 0);

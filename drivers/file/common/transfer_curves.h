@@ -10,6 +10,11 @@ static inline double pupil_srgb_light(double code)
     return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
 }
 
+/* code_light (source.h) of pictures that are coded for an SDR display: that of 8-bit sRGB, whatever their bits and
+ * curve. In more bits the same picture has the same noise, and a power law's first codes, which are darker, are no
+ * finer. */
+#define PUPIL_SDR_CODE_LIGHT (1.0f / 255 / 12.92f)
+
 /* Rec. ITU-R BT.2100-2, table 4; 1.0 is 100 cd/m2 of its 10000. */
 static inline double pupil_pq_light(double code)
 {

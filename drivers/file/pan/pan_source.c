@@ -21,6 +21,7 @@ typedef struct pan_source {
     uint32_t width, height;
     double fov, duration_s; /* 0: not given */
     float *pixels;
+    float code_light; /* of the panorama's file, as in pupil_frame */
     uint64_t sequence;
     pupil_why notice; /* of the panorama's file */
 } pan_source;
@@ -40,6 +41,7 @@ static int pan_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     frame->image.height = s->height;
     frame->image.pixel = PUPIL_PIXEL_RGB32F;
     frame->info.timestamp_ns = (int64_t)(time_s * 1e9 + 0.5);
+    frame->code_light = s->code_light;
     frame->notice = s->sequence == 0 && s->notice.text[0] ? s->notice.text : NULL;
     frame->info.sequence = s->sequence++;
     frame->name = s->file;
@@ -148,6 +150,7 @@ static int load(pan_source *s, pupil_why *why)
     if (!rc && (rc = pupil_panorama_make(&s->panorama, &still, &words)))
         pupil_refuse(why, "%s: %s", s->file, words.text);
     s->notice = still.notice;
+    s->code_light = still.code_light;
     pupil_still_free(&still);
     return rc;
 }

@@ -12,8 +12,9 @@
 #include "tiff_tags.h"
 #include "upright.h"
 
-static int take(pupil_still *still, const pupil_image_const *image, pupil_why *why)
+static int take(pupil_still *still, const pupil_frame *frame, pupil_why *why)
 {
+    const pupil_image_const *image = &frame->image;
     const size_t row = (size_t)image->width * 3 * sizeof(float);
     if (pupil_pixel_is_mosaic(image->pixel))
         return pupil_refuse(why, "is a still of a mosaic, but not a DNG; without a header it is read as raw:FILE,...");
@@ -21,6 +22,7 @@ static int take(pupil_still *still, const pupil_image_const *image, pupil_why *w
         return pupil_refuse(why, "is a still of PQ or HLG, which can be read alone and not in a sequence");
     if (pupil_still_reserve(still, image->width, image->height, PUPIL_PIXEL_RGB32F, why))
         return -1;
+    still->code_light = frame->code_light;
     for (uint32_t y = 0; y < image->height; y++)
         memcpy((uint8_t *)still->pixels + y * row, pupil_image_rows(*image, y, 1).data, row);
     return 0;
@@ -174,7 +176,7 @@ int pupil_read_libav(pupil_still *still, const uint8_t *bytes, size_t size, pupi
     if (failed)
         refuse_words(bytes, size, words.text, why);
     else
-        failed = take(still, &frame.image, why);
+        failed = take(still, &frame, why);
     pupil_source_close(source);
     return failed || finish(still, bytes, size, why) ? -1 : 0;
 }

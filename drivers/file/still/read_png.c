@@ -182,6 +182,12 @@ static int make_table(png_reader *r, int bits)
     return 0;
 }
 
+static float code_light(const png_reader *r)
+{
+    const int is_sdr = r->curve == CURVE_SRGB || r->curve == CURVE_POWER || r->curve == CURVE_BT709;
+    return is_sdr ? PUPIL_SDR_CODE_LIGHT : r->table[1];
+}
+
 static int read_pixels(png_reader *r, pupil_still *still)
 {
     uint64_t width = png_get_image_width(r->png, r->info), height = png_get_image_height(r->png, r->info);
@@ -207,6 +213,7 @@ static int read_pixels(png_reader *r, pupil_still *still)
             png_read_row(r->png, codes + y * width * 3 * (unsigned)(bits / 8), NULL);
     png_read_end(r->png, NULL);
     if (!as_is) {
+        still->code_light = code_light(r);
         decode(r, still->pixels, codes, width * height * 3, bits);
         pupil_still_colour_apply(&r->colour, still->pixels, width * height);
     }

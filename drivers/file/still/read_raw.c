@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <libraw/libraw.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,7 @@ static void set_params(libraw_output_params_t *p, int as_stored)
 typedef struct found {
     int result;
     uint32_t width, height;
+    float code_light;
     pupil_why why;
 } found;
 
@@ -69,6 +71,7 @@ static int process(libraw_data_t *raw, found *f, uint64_t most)
     libraw_processed_image_t *image = libraw_dcraw_make_mem_image(raw, &code);
     if (!image)
         return fail(code, &f->why);
+    f->code_light = 1.0f / fmaxf((float)raw->color.maximum, 1.0f); /* less black: it was subtracted */
     const int failed = take(f, most, image);
     libraw_dcraw_clear_mem(image);
     return failed;
@@ -102,6 +105,7 @@ static int copy(pupil_still *still, const found *f, pupil_why *why)
     const size_t samples = (size_t)f->width * f->height * 3;
     if (pupil_still_reserve(still, f->width, f->height, PUPIL_PIXEL_RGB32F, why))
         return -1;
+    still->code_light = f->code_light;
     float *to = still->pixels;
     for (size_t i = 0; i < samples; i++)
         to[i] = (float)from[i] / 65535.0f;

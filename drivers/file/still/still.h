@@ -59,6 +59,7 @@ typedef struct pupil_still {
     int as_stored;       /* not turned upright; set by the caller */
     uint64_t max_pixels; /* set by the caller: the limit for files of any size; 0: as above */
     uint64_t most;       /* the limit for the file that is read; 0: PUPIL_STILL_MAX_PIXELS */
+    float code_light;    /* as in pupil_frame: above 0 where RGB32F was decoded from codes */
     double window[4];    /* x, y, width and height, in fractions, of the part that the file has; the rest is black. A
                           * width of 0: the whole picture */
     pupil_why notice;    /* what of the file could not be used, though its picture can; "": nothing */

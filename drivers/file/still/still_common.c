@@ -63,6 +63,7 @@ int pupil_still_reserve(pupil_still *still, uint64_t width, uint64_t height, uin
     still->height = (uint32_t)height;
     still->pixel = pixel;
     still->exposure_s = 0;
+    still->code_light = 0;
     still->notice.text[0] = 0;
     memset(still->window, 0, sizeof still->window);
     return 0;

@@ -36,6 +36,7 @@ static int stills_next(pupil_source *source, pupil_frame *frame, pupil_why *why)
     frame->image.height = s->still.height;
     frame->image.pixel = s->still.pixel;
     frame->image.stride_bytes = (ptrdiff_t)(s->still.width * pupil_pixel_bytes(s->still.pixel));
+    frame->code_light = s->still.code_light;
     frame->info.timestamp_ns = llround((double)index * 1e9 / source->fps);
     frame->info.sequence = index;
     frame->name = s->paths.path[index];

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file/common/transfer_curves.h"
 #include "refuse.h"
 #include "video_codes.h"
 #include "video_rows.h"
@@ -161,6 +162,12 @@ static pupil_video_tags resolve(const pupil_video_pixels *p, const AVFrame *f)
     return t;
 }
 
+static float code_light(const pupil_video_pixels *p, int transfer)
+{
+    const int is_sdr = transfer != AVCOL_TRC_LINEAR && !pupil_video_is_coded(transfer);
+    return is_sdr ? PUPIL_SDR_CODE_LIGHT : p->light[(uint32_t)(p->gain[0] + 0.5f)];
+}
+
 static int set_pixels(pupil_video_pixels *p, const pupil_video_tags *tags, pupil_why *why)
 {
     if (reserve_light(p, (size_t)p->kind.width, (size_t)p->kind.height))
@@ -168,6 +175,7 @@ static int set_pixels(pupil_video_pixels *p, const pupil_video_tags *tags, pupil
     set_range(p, tags->is_full);
     if (set_matrix(p, tags->space, tags->primaries, why) || set_light(p, tags->transfer, tags->primaries, why))
         return -1;
+    p->code_light = code_light(p, tags->transfer);
     p->image = pupil_image_const_of(p->pixels, (uint32_t)p->kind.width, (uint32_t)p->kind.height, PUPIL_PIXEL_RGB32F);
     return 0;
 }

@@ -46,6 +46,7 @@ typedef struct pupil_video_pixels {
     pupil_video_kind kind;   /* of the tables; all zero before the first frame */
     pupil_image_const image; /* the result */
     uint32_t primaries;      /* its, a pupil_primaries */
+    float code_light;        /* its, as in pupil_frame */
     const AVPixFmtDescriptor *format;
     int is_rgb, is_grey, is_coded, has_709_primaries;
     uint16_t *codes;          /* one row as stored */

@@ -211,6 +211,7 @@ static int convert(video_source *v, pupil_frame *out, pupil_why *why)
         if (pupil_video_pixels_convert(&v->pixels, v->frame, why))
             return -1;
         out->image = v->pixels.image;
+        out->code_light = v->pixels.code_light;
         return turn(v, why) || pupil_video_turn_image(&v->turn, &out->image, why) ? -1 : 0;
     }
     v->pixels.primaries = PUPIL_PRIMARIES_BT709;

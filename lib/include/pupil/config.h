@@ -149,7 +149,8 @@ typedef struct pupil_config {
                           * be 0 */
     float floor;         /* luminance that everything darker, and NaN, counts as; frame units; 2^-14; 2^-30..1. Of
                           * floats or halves, pixels at or below it do not count for the level while 1/64 of the frame
-                          * is above it, because a rendered background is exactly 0. If the brightest 5 % of the light
+                          * is above it, because a rendered background is exactly 0; of decoded codes they do
+                          * (pupil_stats.code_light). If the brightest 5 % of the light
                           * are below 2^-6 or above 2^16, multiply the frame and its gain (pupil_frame_info) by the same
                           * power of two, with exposure_s 1 if it is unknown. The level is then still that of the
                           * original light. PUPIL_REASON_RANGE reports such frames */
@@ -205,8 +206,9 @@ typedef struct pupil_config {
     /* Noise stays dark: the level of frames of codes (8 to 16 bits) is at least 0.18 * 2^-amplification_ev in frame
      * units, so a frame behind a lens cap is black, and its state is PUPIL_STATE_LIMITED. If the light of the first
      * code is below 2^-12, the limit is lower by as many stops. Float and half frames count as noiseless, and have no
-     * such limit. With the default, 8-bit video that is 4 stops too dark looks as bright as any, and the noise of a
-     * camera in the dark is nearly black: docs/pictures.md has the measurements. */
+     * such limit, unless pupil_stats.code_light says that they are decoded codes. With the default, 8-bit video that is
+     * 4 stops too dark looks as bright as any, and the noise of a camera in the dark is nearly black: docs/pictures.md
+     * has the measurements. */
     double amplification_ev; /* stops; 4; 0..32 (in effect never) */
 
     /* mapping */

@@ -52,7 +52,8 @@ extern "C" {
  * million of the largest frames. A band holds at most 2^22 pixels x 32 stops x 2^24 = 2^51. */
 typedef struct pupil_stats {
     uint32_t size_bytes;    /* abi.h; filled in by pupil_stats_clear; or 0 */
-    float code_light;       /* light of the first code above black, as exact as a binary32; 0: no codes (float, half) */
+    float code_light;       /* light of the first code above black, as exact as a binary32; 0: no codes (float, half).
+                             * 2^-12, set before pupil_adapt, says that floats are decoded codes of 8-bit sRGB */
     uint64_t pixels;        /* metered pixels (weight above 0) */
     uint64_t weight;        /* sum of their weights */
     uint64_t black;         /* pixels, unweighted; see above */

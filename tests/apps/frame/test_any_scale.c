@@ -116,6 +116,26 @@ static void check_left_alone(void)
     any_scale_close(&a);
 }
 
+/* Decoded codes have no unit, however dark they are; among scaled frames they have a gain of 1. */
+static void check_codes(void)
+{
+    any_scale a = {0};
+    pupil_why why = {""};
+    pupil_frame frame = frame_at(1e-6);
+    frame.code_light = 0x1p-12f;
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == light && !a.known && frame.info.gain == 0.0);
+    frame = frame_at(1e-6);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && a.known && a.stops > 0);
+    const int stops = a.stops;
+    frame = frame_at(1.0);
+    frame.code_light = 0x1p-12f;
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && frame.image.data == light && !a.stops);
+    CHECK(frame.info.exposure_s == 1.0 && frame.info.gain == 1.0);
+    frame = frame_at(0.0);
+    CHECK(any_scale_take(&a, &frame, &why) == 0 && a.stops == stops && frame.info.gain == ldexp(1.0, stops));
+    any_scale_close(&a);
+}
+
 /* Frames without light set no scale; the first one with light does. */
 static void check_black(void)
 {
@@ -284,6 +304,7 @@ int main(int argc, char **argv)
     make_scene();
     check_pictures();
     check_left_alone();
+    check_codes();
     check_black();
     check_noise();
     check_cap_comes();

@@ -200,6 +200,32 @@ static void window(uint32_t version, int on_gpu)
     }
 }
 
+/* Floats that are decoded codes: black counts for the level, however they are metered. */
+static void decoded_codes(uint32_t order, int on_gpu)
+{
+    run r;
+    start(&r, PUPIL_WHITE_FOLLOW);
+    pupil_config config = r.pipeline.config;
+    config.order = order;
+    config.highlight_ev = config.tau_light_s = config.tau_dark_s = 0.0;
+    frame_pipeline_retune(&r.pipeline, &config);
+    if (on_gpu)
+        frame_pipeline_use_gpu(&r.pipeline, 0, NULL);
+    for (int number = 0; number < 4; number++) {
+        pupil_frame frame = make_frame(number);
+        double mean = 0.0;
+        memset(light, 0, sizeof light / 4);
+        frame.code_light = number % 2 ? 0.0f : 0x1p-30f;
+        step(&r, &frame);
+        CHECK(pupil_stats_mean(&r.pipeline.stats, 0.0, 1.0, &mean) == PUPIL_OK);
+        const double black_ev = mean - r.exposure.adapted_ev;
+        CHECK_MSG(number % 2 ? black_ev < -2.0 : fabs(black_ev) < 1e-9, "order %u, GPU %d, frame %d: %g above the mean",
+                  order, on_gpu, number, -black_ev);
+        CHECK((r.pipeline.gpu != NULL) == on_gpu);
+    }
+    frame_pipeline_close(&r.pipeline);
+}
+
 /* Only the curve says how a frame is mapped: the caller's takes effect. */
 static void own_curve(void)
 {
@@ -228,6 +254,8 @@ int main(int argc, char **argv)
             like_process(order, white);
     own_curve();
     window(0, 0);
+    decoded_codes(PUPIL_ORDER_EXACT, 0);
+    decoded_codes(PUPIL_ORDER_FUSED, 0);
     start(&probe, PUPIL_WHITE_FOLLOW);
     frame_pipeline_use_gpu(&probe.pipeline, 0, NULL);
     const pupil_frame frame = make_frame(0);
@@ -239,6 +267,7 @@ int main(int argc, char **argv)
     if (!has_gpu)
         return check_state.failures ? check_end() : check_skip("no OpenGL ES 3.1");
     window(0, 1);
+    decoded_codes(PUPIL_ORDER_EXACT, 1);
     hand_over(PUPIL_WHITE_FOLLOW, 0, GIVEN_UP);
     hand_over(PUPIL_WHITE_NONE, PUPIL_GLES_ES30, GIVEN_UP);
     hand_over(PUPIL_WHITE_FOLLOW, 0, LOST);

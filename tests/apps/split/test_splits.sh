@@ -63,9 +63,9 @@ whole() {
     frames "$name.y4m" >"$name.frames"
 }
 
-# Not pure colours, which would be taken for noise.
+# A part is black, which counts for the level, as in all codes.
 ffmpeg -loglevel error -f lavfi -i "testsrc2=size=96x54:rate=30:duration=1.5,hue=s=0.2,
-    eq=contrast=0.6:brightness='if(between(t,0.5,1),0.25,0.05)':eval=frame" -pix_fmt yuv420p -c:v ffv1 clip.mkv
+    eq=contrast=0.6:brightness='if(between(t,0.5,1),0.25,0.05)':eval=frame,drawbox=0:0:96:14:black:fill" -pix_fmt yuv420p -c:v ffv1 clip.mkv
 python3 - <<'END'
 import struct
 for n in range(20):

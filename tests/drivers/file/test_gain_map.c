@@ -73,6 +73,7 @@ static void check_picture(const gain_map_file *f, const numbers *n, const char *
     CHECK_MSG(read_exact(pupil_read_libav, &still, file.data, file.size, &said) == 0, "%s: %s", what, said.text);
     CHECK_MSG(!*still.notice.text, "%s: %s", what, still.notice.text);
     CHECK(still.width == plain.width && still.height == plain.height && still.pixel == PUPIL_PIXEL_RGB32F);
+    CHECK(still.code_light > 3.03e-4f && !(still.code_light < plain.code_light || still.code_light > plain.code_light));
     for (uint32_t y = 0; y < still.height; y++)
         for (uint32_t x = 0; x < still.width; x++)
             for (int c = 0; c < 3; c++) {

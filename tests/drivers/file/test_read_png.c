@@ -84,6 +84,12 @@ static double srgb(double v)
     return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
+/* What source.h calls code_light: of SDR that of 8-bit sRGB, else of this file's codes; of RGB8 the core knows it. */
+static void check_code_light(const pupil_still *s, double wanted)
+{
+    CHECK_MSG(fabs((double)s->code_light - wanted) <= 1e-6 * wanted, "%g, not %g", (double)s->code_light, wanted);
+}
+
 /* One 16-bit pixel of codes 0x1234, 0x8000 and 0xffff through each colour chunk. */
 static void test_curves(void)
 {
@@ -93,10 +99,13 @@ static void test_curves(void)
     pupil_still still = {0};
     CHECK_MSG(read_picture(&still, &p) == 0, "%s", why.text);
     CHECK(still.pixel == PUPIL_PIXEL_RGB32F && rgb_is(&still, 0, 0, srgb(a), srgb(b), 1));
+    check_code_light(&still, srgb(1 / 255.));
     p.gamma = 1;
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, a, b, 1));
+    check_code_light(&still, 1 / 65535.);
     p.gamma = 0.45455;
     CHECK(read_picture(&still, &p) == 0 && rgb_near(&still, 0, 0, pow(a, 2.2), pow(b, 2.2), 1, 1e-5));
+    check_code_light(&still, srgb(1 / 255.));
     p.srgb = 1; /* comes before gAMA */
     p.gamma = 0.45455;
     CHECK(read_picture(&still, &p) == 0 && rgb_is(&still, 0, 0, srgb(a), srgb(b), 1));
@@ -110,9 +119,11 @@ static void test_curves(void)
           rgb_near(&still, 0, 0, a / 4.5, pow((b + 0.099) / 1.099, 1 / 0.45), 1, 1e-6));
     memcpy(p.cicp_data, "\1\22\0\1", 4); /* HLG: 1/2 is 1/12 of the light */
     CHECK(read_picture(&still, &p) == 0 && rgb_near(&still, 0, 0, a * a / 3, 1 / 12., 1, 1e-5));
+    check_code_light(&still, 1 / (3 * 65535. * 65535.));
     memcpy(p.cicp_data, "\1\20\0\1", 4); /* PQ: code 0.5 is 92.25 cd/m2, 1 is 10000 */
     CHECK(read_picture(&still, &p) == 0 && fabsf(float_at(&still, 0, 0)[1] - 0.9225f) < 1e-3f);
     CHECK(fabsf(float_at(&still, 0, 0)[2] - 100) < 1e-3f);
+    CHECK(still.code_light > 0 && still.code_light < 1e-6f);
     memcpy(p.cicp_data, "\1\11\0\1", 4);
     CHECK(read_picture(&still, &p) == -1 && strstr(why.text, "cICP transfer"));
     pupil_still_free(&still);
@@ -183,6 +194,7 @@ static void test_few_bits(void)
     picture p = {.width = 4, .height = 1, .bits = 1, .type = PNG_COLOR_TYPE_GRAY, .rows = row};
     pupil_still still = {0};
     CHECK(read_picture(&still, &p) == 0 && still.pixel == PUPIL_PIXEL_RGB8);
+    check_code_light(&still, 0);
     CHECK(memcmp(still.pixels, "\0\0\0\377\377\377\0\0\0\377\377\377", 12) == 0);
     p.type = PNG_COLOR_TYPE_PALETTE; /* the first colour is transparent; it keeps its value */
     CHECK(read_picture(&still, &p) == 0 && still.pixel == PUPIL_PIXEL_RGB8);

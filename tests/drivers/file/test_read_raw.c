@@ -59,6 +59,7 @@ static void test_grey(int is_linear)
     if (!still.pixels)
         return;
     CHECK(still.width == SIDE && still.height == SIDE && still.pixel == PUPIL_PIXEL_RGB32F);
+    CHECK_MSG(fabs((double)still.code_light * (4095 - 256) - 1) < 1e-6, "a code is %g", (double)still.code_light);
     for (uint32_t i = 0; i < 4; i++) {
         const float *p = pixel(&still, i % 2 * 16 + 8, i / 2 * 16 + 8);
         for (int c = 0; c < 3; c++) /* a matrix of four digits, codes of 12 bits */

@@ -31,15 +31,14 @@ static const kind kinds[] = {{"PQ", AV_PIX_FMT_YUV420P10, PUPIL_PIXEL_I420_10, P
                              {"SDR of 8 bits", AV_PIX_FMT_YUV420P, PUPIL_PIXEL_I420, PUPIL_PIXEL_NV12,
                               PUPIL_MATRIX_BT709, PUPIL_LIGHT_SRGB, AVCOL_SPC_BT709, AVCOL_TRC_BT709, 2e-4}};
 
-/* In frames 0 to 4 luma has all codes of a part of its range, chroma is constant; from 5 on chroma rises along x. None
- * is black, which replay's floats of SDR leave out of the level (config.h, floor). */
+/* In frames 0 to 4 luma has all codes of a part of its range, chroma is constant; from 5 on chroma rises along x. */
 #define FRAMES 7
 static int code_of(const clip *c, int frame, int component, int x, int y)
 {
     static const int chroma[FRAMES][2] = {{128, 128}, {150, 110}, {90, 140}, {120, 190}, {128, 128}, {0, 0}, {0, 0}};
     const int bits = av_pix_fmt_desc_get(c->format)->comp[0].depth, ten = bits == 10 ? 4 : 1;
     if (component == 0)
-        return (17 + 40 * frame % 120) * ten + (x + y * WIDTH) * 100 * ten / (WIDTH * HEIGHT);
+        return (16 + 40 * frame % 120) * ten + (x + y * WIDTH) * 100 * ten / (WIDTH * HEIGHT);
     return frame < 5 ? chroma[frame][component - 1] * ten : (90 + x / 2 + frame) * ten;
 }
 
@@ -70,15 +69,22 @@ typedef struct result {
     unsigned char picture[WIDTH * HEIGHT * 3];
 } result;
 
-static void expose(const pupil_image_const *image, result *r)
+/* code_light: of the frame from the video. */
+static void expose(const pupil_image_const *image, float code_light, result *r)
 {
     const pupil_image out = pupil_image_of(r->picture, WIDTH, HEIGHT, PUPIL_PIXEL_RGB8);
     pupil_config config;
     pupil_exposure exposure;
+    pupil_stats stats;
+    pupil_curve curve;
     pupil_t pupil;
     pupil_config_default(&config);
     CHECK(pupil_init(&pupil, &config) == PUPIL_OK);
-    CHECK(pupil_process(&pupil, image, NULL, &out) == PUPIL_OK && pupil_get_exposure(&pupil, &exposure) == PUPIL_OK);
+    pupil_stats_clear(&stats);
+    CHECK(pupil_meter_rows(&pupil, image, 0, HEIGHT, &stats) == PUPIL_OK);
+    stats.code_light = code_light > 0 ? code_light : stats.code_light;
+    CHECK(pupil_adapt(&pupil, &stats, NULL) == PUPIL_OK && pupil_get_exposure(&pupil, &exposure) == PUPIL_OK);
+    CHECK(pupil_get_curve(&pupil, NULL, &curve) == PUPIL_OK && pupil_map_rows(&pupil, &curve, image, &out) == PUPIL_OK);
     r->level_ev = exposure.metered_ev;
 }
 
@@ -105,14 +111,14 @@ static void test_kind(const kind *k)
     CHECK_MSG(pupil_video_source_open(scratch("library.mkv"), NULL, &source, &why) == 0, "%s", why.text);
     for (int n = 0; n < FRAMES; n++) {
         CHECK_MSG(pupil_source_next(source, &f, &why) == PUPIL_SOURCE_FRAME, "%s", why.text);
-        expose(&f.image, &replayed);
+        expose(&f.image, f.code_light, &replayed);
         pupil_source_done(source, &f);
         pupil_image_const image = codes_as(&c, n, k->planar, memory);
         image.coding = &coding;
-        expose(&image, &planar);
+        expose(&image, 0, &planar);
         image = codes_as(&c, n, k->interleaved, memory);
         image.coding = &coding;
-        expose(&image, &interleaved);
+        expose(&image, 0, &interleaved);
         CHECK_MSG(!memcmp(&planar, &interleaved, sizeof planar), "%s, frame %d", k->name, n);
         const double off_ev = fabs(planar.level_ev - replayed.level_ev), share = unlike(&planar, &replayed);
         if (n < 5) {

@@ -185,6 +185,11 @@ static void test_light(void)
             CHECK_MSG(rc == PUPIL_SOURCE_FRAME, "clip %zu: %s", k, why.text);
             expected(c, code, clips[k].light, want, slack);
             CHECK(f.image.pixel == (is_coded(c) ? PUPIL_PIXEL_I444_16 : PUPIL_PIXEL_RGB32F));
+            const real code_light = is_coded(c)              ? 0
+                                    : clips[k].light == srgb ? srgb(1 / 255.L)
+                                    : clips[k].light == pq   ? pq(1 / 876.L)
+                                                             : hlg(1 / 65535.L);
+            CHECK_MSG(fabsl(f.code_light - code_light) <= 0.02L * code_light, "clip %zu: %g", k, (double)f.code_light);
             CHECK(source->primaries == (is_coded(c) ? PUPIL_PRIMARIES_BT2020 : PUPIL_PRIMARIES_BT709));
             real p[4];
             for (int i = 0; i < 40 * 24 * 3; i++) {
