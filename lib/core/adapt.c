@@ -262,6 +262,13 @@ static void judge(pupil_object *object, double target_ev, uint32_t reason)
         r->state = PUPIL_STATE_SETTLED;
 }
 
+/* pupil_stats_excess between these shares of the light, from its bright end. */
+static double brightest_excess(const pupil_stats *stats, double least, double most, double from_log2, double most_ev)
+{
+    return pupil_stats_excess(stats, pupil_stats_share_of_light(stats, 1.0 - most),
+                              pupil_stats_share_of_light(stats, 1.0 - least), from_log2, most_ev);
+}
+
 /* By how much the level is to be above the log-average, so that the bright part of the frame is not pale and no large
  * part of it white. Means over shares, not quantiles, so that a lamp which becomes a little larger cannot make the
  * level jump. */
@@ -270,10 +277,9 @@ static double held_back_ev(const pupil_config *c, const pupil_stats *stats, doub
     if (!stats->has_histogram || !(c->highlight_ev > 0.0))
         return 0.0;
     const double pale =
-        pupil_stats_excess(stats, 1.0 - HIGHLIGHT_MOST * c->highlight_share, 1.0 - HIGHLIGHT_LEAST * c->highlight_share,
-                           mean_log2 + c->highlight_room_ev, c->highlight_ev);
-    const double white =
-        pupil_stats_excess(stats, 1.0 - WHITE_MOST, 1.0 - WHITE_LEAST, mean_log2 + WHITE_ROOM_EV, c->highlight_ev);
+        brightest_excess(stats, HIGHLIGHT_LEAST * c->highlight_share, HIGHLIGHT_MOST * c->highlight_share,
+                         mean_log2 + c->highlight_room_ev, c->highlight_ev);
+    const double white = brightest_excess(stats, WHITE_LEAST, WHITE_MOST, mean_log2 + WHITE_ROOM_EV, c->highlight_ev);
     return pale > white ? pale : white;
 }
 
@@ -297,7 +303,7 @@ static int targets_of(const pupil_object *object, const pupil_stats *stats, doub
     error = pupil_stats_light_mean(stats, pupil_log2((double)c->floor), (double)c->trim_low, (double)c->trim_high,
                                    mean_log2);
     if (!error && c->white_mode == PUPIL_WHITE_FOLLOW)
-        error = pupil_stats_peak_quantile(stats, c->white_quantile, white_log2);
+        error = pupil_stats_peak_quantile(stats, pupil_stats_share_of_light(stats, c->white_quantile), white_log2);
     if (!error && c->curve != PUPIL_CURVE_REINHARD && !stats->has_histogram)
         error = PUPIL_ERR_NO_HISTOGRAM;
     return error;

@@ -147,6 +147,9 @@ double pupil_stats_excess(const pupil_stats *stats, double low, double high, dou
 uint64_t pupil_least_light(uint64_t weight);
 int pupil_stats_light_mean(const pupil_stats *stats, double floor_log2, double low, double high,
                            double *log2_luminance);
+/* The share of a frame's weight that is at the share q of what remains, taken as an eighth if it is less; q itself
+ * where nothing is left out. */
+double pupil_stats_share_of_light(const pupil_stats *stats, double q);
 
 /* log2 of the divisor from the frame's values to scene luminance; the last known one if info has none. */
 double pupil_exposure_log2(const pupil_config *config, const pupil_adaptation *a, const pupil_frame_info *info);

@@ -4,6 +4,10 @@
 #include "base/versioned.h"
 #include "core/read.h"
 
+/* Highlights and the white point are those of at least this share of a frame: of less, only a few pixels of a sampled
+ * histogram would decide, and a small object that moves would flicker. */
+#define LEAST_SEEN 0.125
+
 #define FIRST_BYTES PUPIL_FIRST_BYTES(pupil_stats, band_pixels)
 
 static size_t bytes_of(const pupil_stats *stats)
@@ -310,11 +314,24 @@ uint64_t pupil_least_light(uint64_t weight)
     return weight / 64 + (weight % 64 > 0);
 }
 
-int pupil_stats_light_mean(const pupil_stats *stats, double floor_log2, double low, double high, double *log2_luminance)
+/* The weight at the floor that does not count for the level. */
+static uint64_t left_out(const pupil_stats *stats)
 {
     const uint64_t black = stats->code_light > 0.0f ? 0 : black_weight_of(stats);
     const uint64_t most = stats->weight - pupil_least_light(stats->weight);
-    return mean_without(stats, black < most ? black : most, floor_log2, low, high, log2_luminance);
+    return black < most ? black : most;
+}
+
+int pupil_stats_light_mean(const pupil_stats *stats, double floor_log2, double low, double high, double *log2_luminance)
+{
+    return mean_without(stats, left_out(stats), floor_log2, low, high, log2_luminance);
+}
+
+double pupil_stats_share_of_light(const pupil_stats *stats, double q)
+{
+    const double all_out = (double)left_out(stats) / (double)stats->weight, most = 1.0 - LEAST_SEEN;
+    const double out = all_out < most ? all_out : most;
+    return out + q * (1.0 - out);
 }
 
 int pupil_stats_grey_world(const pupil_stats *stats, float balance[3])

@@ -142,6 +142,37 @@ static void trimmed(void)
     frame_free(&object);
 }
 
+/* What holds the level, and the white point, are those of the object alone, too: down to an eighth of the frame. */
+static void highlights(void)
+{
+    enum { SIDE = 60 };
+    frame object = frame_make(SIDE, SIDE, PUPIL_PIXEL_RGB32F, 0, 0);
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            const double light = exp2(uniform() < 0.06 ? 5 + uniform() : uniform() - 3);
+            frame_set(&object, x, y, light, light, light, 1);
+        }
+    pupil_exposure alone = {0}, seen;
+    for (uint32_t wide = 1; wide <= 16; wide *= 2) {
+        pupil_t pupil;
+        frame f = frame_make(SIDE * wide, SIDE, PUPIL_PIXEL_RGB32F, 0, 0);
+        frame_fill(&f, 0, 0, 0);
+        for (uint32_t y = 0; y < SIDE; y++)
+            memcpy((void *)(uintptr_t)pupil_image_rows(f.image, y, 1).data, pupil_image_rows(object.image, y, 1).data,
+                   SIDE * 3 * sizeof(float));
+        CHECK(pupil_init(&pupil, &config) == PUPIL_OK && pupil_meter(&pupil, &f.image, NULL) == PUPIL_OK &&
+              pupil_get_exposure(&pupil, &seen) == PUPIL_OK);
+        if (wide == 1)
+            alone = seen;
+        const int alike =
+            fabs(seen.held_back_ev - alone.held_back_ev) < 1e-6 && fabs(seen.white_ev - alone.white_ev) < 1e-6;
+        CHECK_MSG(alone.held_back_ev > 0.5 && alike == (wide <= 8), "1/%u: held by %g, not %g; white at %g, not %g",
+                  wide, seen.held_back_ev, alone.held_back_ev, seen.white_ev, alone.white_ev);
+        frame_free(&f);
+    }
+    frame_free(&object);
+}
+
 /* A caller whose floats are decoded codes says so by code_light: black counts, and noise stays dark. */
 static void decoded_codes(void)
 {
@@ -238,6 +269,7 @@ int main(int argc, char **argv)
     codes_count(PUPIL_PIXEL_GREY8);
     odd_pixels();
     trimmed();
+    highlights();
     decoded_codes();
     in_parts();
     fade();

@@ -197,8 +197,10 @@ typedef struct pupil_config {
      * the level rises by the excess, at most by `highlight_ev`, and the picture is darker. So a lamp in a dark room, or
      * a lit meadow behind a tree, keeps its colours. The excess is a mean over the shares from 0.8 to 1.6 times
      * `highlight_share`, so that it begins slowly. A second excess is that of the shares from 0.5 to 1 % over 10.275
-     * stops, which the curve shows as white; the larger one counts. This needs a histogram, and there is none if the
-     * white point does not follow, nothing is trimmed and `histogram` is 0. docs/pictures.md shows what it does. */
+     * stops, which the curve shows as white; the larger one counts. Where black is left out (floor), shares are of the
+     * rest, of at least an eighth of the frame; that of white_quantile, too. This needs a histogram, and there is none
+     * if the white point does not follow, nothing is trimmed and `histogram` is 0. docs/pictures.md shows what it does.
+     */
     double highlight_share;   /* 0.05; 0.001..0.5 */
     double highlight_room_ev; /* stops; 4; 0..32 */
     double highlight_ev;      /* stops; 2; 0 (never)..8 */

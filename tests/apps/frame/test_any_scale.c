@@ -41,13 +41,14 @@ static pupil_frame frame_at(double scale)
                          .name = "made"};
 }
 
-/* Maps the frame; its picture is in p->display until the pipeline is closed. */
-static pupil_exposure map(frame_pipeline *p, any_scale *a, pupil_frame *frame)
+/* Maps the frame; its picture is in p->display until the pipeline is closed. floor: 0: the default. */
+static pupil_exposure map(frame_pipeline *p, any_scale *a, pupil_frame *frame, float floor)
 {
     pupil_why why = {""};
     pupil_config config;
     pupil_exposure e = {0};
     pupil_config_default(&config);
+    config.floor = floor > 0.0f ? floor : config.floor;
     CHECK(any_scale_take(a, frame, &why) == 0);
     CHECK(frame_pipeline_open(p, &config, 1) == 0);
     CHECK(frame_pipeline_meter(p, frame, &why) == 0 && frame_pipeline_map(p, frame, 1, &why) == 0);
@@ -65,7 +66,7 @@ static void check_pictures(void)
         frame_pipeline p;
         any_scale a = {0};
         pupil_frame frame = frame_at(scales[i]);
-        const pupil_exposure e = map(&p, &a, &frame);
+        const pupil_exposure e = map(&p, &a, &frame, 0.0f);
         const uint8_t *codes = p.display.data;
         int most = 0;
         size_t differ = 0;
@@ -84,11 +85,28 @@ static void check_pictures(void)
                a.stops, off_ev, 100.0 * (double)differ / sizeof usual, most);
         const int beyond = usual_ev + log2(scales[i]) < -32.0;
         /* times 0.01, which is not scaled, the darkest pixels are at the floor, and no longer count */
-        const double most_ev = a.stops || scales[i] > 0.05 ? 2e-3 : 4e-3;
-        CHECK_MSG(beyond ? e.reason == PUPIL_REASON_EV_MIN : most <= 1 && fabs(off_ev) < most_ev, "x %g", scales[i]);
+        const int at_floor = !a.stops && scales[i] < 0.05;
+        CHECK_MSG(beyond ? e.reason == PUPIL_REASON_EV_MIN : most <= 1 && (at_floor || fabs(off_ev) < 2e-3), "x %g",
+                  scales[i]);
         frame_pipeline_close(&p);
         any_scale_close(&a);
     }
+}
+
+/* Light that is not scaled, and a floor as much lower: all pixels count. */
+static void check_low_floor(void)
+{
+    double level_ev[2];
+    for (int i = 0; i < 2; i++) {
+        frame_pipeline p;
+        any_scale a = {0};
+        pupil_frame frame = frame_at(i ? 0x1p-6 : 1.0);
+        level_ev[i] = map(&p, &a, &frame, i ? 0x1p-20f : 0x1p-14f).adapted_ev;
+        CHECK(!a.stops);
+        frame_pipeline_close(&p);
+        any_scale_close(&a);
+    }
+    CHECK_MSG(fabs(level_ev[0] - 6.0 - level_ev[1]) < 1e-9, "%.12f and %.12f", level_ev[0], level_ev[1]);
 }
 
 /* Ordinary light, codes and halves are not scaled or copied; nor is alpha scaled. */
@@ -185,7 +203,7 @@ static void check_noise(void)
         frame_pipeline p;
         any_scale a = {0};
         pupil_frame frame = lens_cap(sigmas[i % 4], cut, grey);
-        const pupil_exposure e = map(&p, &a, &frame);
+        const pupil_exposure e = map(&p, &a, &frame, 0.0f);
         const uint8_t *codes = p.display.data;
         size_t count[256] = {0}, below = 0;
         for (size_t k = 0; k < (size_t)HEIGHT * WIDTH * 3; k++)
@@ -303,6 +321,7 @@ int main(int argc, char **argv)
     check_begin(argc, argv);
     make_scene();
     check_pictures();
+    check_low_floor();
     check_left_alone();
     check_codes();
     check_black();
