@@ -428,6 +428,84 @@ INLINE ints scale_in_planes(const uint8_t *source, const meter_constants *c, con
 static const format in_planes = {
     .bytes = sizeof(float), .vector = load_from_planes, .scale = scale_in_planes, .rest = rest_of_planes};
 
+/* --- planes scaled: factors are the end of a long chain of dependent instructions, and a CPU that waits for it has no
+ * room for those of the next groups. So a group's are computed while the group before is multiplied by its own. --- */
+
+typedef struct group_factors {
+    floats y[WAYS], s[WAYS];
+    int bounded;
+} group_factors;
+
+INLINE group_factors factors_of(const pupil_planes *planes, const meter_constants *c, const scale_constants *d)
+{
+    group_factors f;
+    floats r[WAYS], g[WAYS], b[WAYS];
+    FOR_EACH_WAY(k)
+    {
+        const size_t i = (size_t)k * WIDTH;
+        r[k] = v_load(planes->r + i);
+        g[k] = v_load(planes->g + i);
+        b[k] = v_load(planes->b + i);
+        f.y[k] = luminance(r[k], g[k], b[k], c);
+        f.s[k] = tone_of(f.y[k], d);
+    }
+    f.bounded = v_every(v_at_most(top_of(r, g, b), c->bounded));
+    return f;
+}
+
+INLINE uint64_t scale_by_factors(const group_factors *f, const scale_constants *d, pupil_planes *planes)
+{
+    mask beyond[WAYS];
+    FOR_EACH_WAY(k)
+    {
+        const size_t i = (size_t)k * WIDTH;
+        beyond[k] = store_scaled(v_load(planes->r + i), v_load(planes->g + i), v_load(planes->b + i), f->y[k], f->s[k],
+                                 d, i, planes);
+    }
+    return v_group_bits(beyond);
+}
+
+/* Whole groups from pixel i on, as long as they are bounded. Returns the first pixel that is left. */
+INLINE size_t scale_bounded(const meter_constants *c, const scale_constants *d, size_t i, size_t n,
+                            pupil_planes *planes, group_list *over)
+{
+    if (i + PUPIL_LANES > n)
+        return i;
+    group_factors next = factors_of(planes_from(planes, i), c, d);
+    while (next.bounded) {
+        const group_factors now = next;
+        pupil_planes *from = planes_from(planes, i);
+        const size_t at = i / PUPIL_LANES;
+        i += PUPIL_LANES;
+        const int is_last = i + PUPIL_LANES > n;
+        if (!is_last)
+            next = factors_of(planes_at(from, PUPIL_LANES), c, d);
+        over->any |= over->vectors[at] = scale_by_factors(&now, d, from);
+        if (is_last)
+            break;
+    }
+    return i;
+}
+
+/* As scale_groups, of planes. */
+INLINE void scale_all_planes(hard_scale *hard, const pupil_row_job *job, uint32_t n, pupil_planes *planes)
+{
+    const meter_constants c = meter_constants_of(job);
+    const scale_constants d = scale_constants_of(job->curve);
+    scaled_block to; /* its list is filled below */
+    to.over.any = 0;
+    to.opaque = v_at_least(v_all(1.0f), v_all(1.0f));
+    to.keep = 0;
+    for (size_t i = 0; i < n;) {
+        i = scale_bounded(&c, &d, i, n, planes, &to.over);
+        if (i < n)
+            i = hard(job, (const uint8_t *)planes, i, n, planes, &to);
+    }
+    if (to.over.any)
+        fit_listed(&to.over, n, &d, job->cones, planes);
+    leave_lines(planes, 0);
+}
+
 /* --- planes metered and scaled: 64 pixels are metered, then scaled in their place with the luminances of metering ---
  */
 

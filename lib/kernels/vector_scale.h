@@ -145,28 +145,40 @@ typedef struct group_list {
     uint64_t vectors[PUPIL_BLOCK / PUPIL_LANES], any;
 } group_list;
 
-/* One vector to planes, from pixel `at` on. Bounded: there is nothing to clamp. The luminances are kept in lum unless
- * it is NULL. */
-INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_constants *c, size_t at,
-                         pupil_planes *planes, float *lum, int bounded)
+/* The factor of a pixel of the luminance y. */
+INLINE floats tone_of(floats y, const scale_constants *c)
 {
-    const floats one = v_all(1.0f);
-    if (lum)
-        v_store(lum + at, l);
-    const floats y = bounded ? l : v_min(v_max(l, v_all(0.0f)), v_all(PUPIL_CEILING));
-    const floats u = v_mul(c->scale, y);
-    floats s = v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
-    if (!bounded)
-        s = v_where(v_is_number(l), s);
-    r = v_mul(bounded ? r : clamp_channel(r, c), s);
-    g = v_mul(bounded ? g : clamp_channel(g, c), s);
-    b = v_mul(bounded ? b : clamp_channel(b, c), s);
+    const floats one = v_all(1.0f), u = v_mul(c->scale, y);
+    return v_mul(c->scale, v_div(v_add(one, v_mul(u, c->inverse_white_squared)), v_add(one, u)));
+}
+
+/* One vector times its factors, to planes, from pixel `at` on. Returns the pixels beyond the display's gamut. */
+INLINE mask store_scaled(floats r, floats g, floats b, floats y, floats s, const scale_constants *c, size_t at,
+                         pupil_planes *planes)
+{
+    r = v_mul(r, s);
+    g = v_mul(g, s);
+    b = v_mul(b, s);
     const floats grey = v_mul(y, s), limit = v_add(c->knee, v_mul(c->above_knee, grey));
     v_store(planes->r + at, r);
     v_store(planes->g + at, g);
     v_store(planes->b + at, b);
     v_store(planes->grey + at, grey);
     return v_greater(max_of_3(r, g, b), limit);
+}
+
+/* One vector of the luminance l. Bounded: there is nothing to clamp. The luminances are kept in lum unless it is NULL.
+ */
+INLINE mask scale_vector(floats r, floats g, floats b, floats l, const scale_constants *c, size_t at,
+                         pupil_planes *planes, float *lum, int bounded)
+{
+    if (lum)
+        v_store(lum + at, l);
+    if (bounded)
+        return store_scaled(r, g, b, l, tone_of(l, c), c, at, planes);
+    const floats y = v_min(v_max(l, v_all(0.0f)), v_all(PUPIL_CEILING));
+    return store_scaled(clamp_channel(r, c), clamp_channel(g, c), clamp_channel(b, c), y,
+                        v_where(v_is_number(l), tone_of(y, c)), c, at, planes);
 }
 
 /* A group with any values. */

@@ -100,8 +100,12 @@ static __attribute__((noinline)) int fused_planes(const pupil_row_job *job, uint
 static int scale_planes(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes, pupil_run *run)
 {
     (void)source;
-    return run ? fused_planes(job, n, planes, run)
-               : scale_groups(&in_planes, hard_scale_planes, job, (const uint8_t *)planes, n, planes, 0);
+    if (run)
+        return fused_planes(job, n, planes, run);
+    if (WIDTH == 4) /* an ARM board's CPU has little room for instructions in flight, and would load twice */
+        return scale_groups(&in_planes, hard_scale_planes, job, (const uint8_t *)planes, n, planes, 0);
+    scale_all_planes(hard_scale_planes, job, n, planes);
+    return 0;
 }
 
 static int scale_by_knots(const pupil_row_job *job, const void *source, uint32_t n, pupil_planes *planes,

@@ -3,8 +3,8 @@
  *
  * Most of the time goes to three look-ups a pixel: 8 of them are 27 instructions, of which the CPU can do 6 a cycle.
  * Look-ups wait for the codes of the same pixels, and the instructions that a CPU has in flight are not much more than
- * 16 pixels' worth. So the codes of a group of 16 pixels are computed between the look-ups of the group before the
- * last, channel by channel, and overwrite that group's. Indices go through memory: taking them out of a vector's lanes
+ * 16 pixels' worth. So the codes of a group of 16 pixels are computed between the look-ups of the group before,
+ * channel by channel, and overwrite that group's. Indices go through memory: taking them out of a vector's lanes
  * would use the units that the arithmetic needs.
  */
 #ifndef PUPIL_KERNELS_X86_YUV_H
@@ -15,14 +15,10 @@
 
 #define LEVEL_HAS_GROUPS_OF_YUV_BEYOND
 
-enum { YUV_BEHIND = 2 * PUPIL_LANES };
-
 typedef struct yuv_factors {
     const float *light;
     floats y_zero, y_unit, red_v, green_u, green_v, blue_u;
 } yuv_factors;
-
-typedef int32_t yuv_indices[2][3][PUPIL_LANES]; /* of two groups, which take turns */
 
 INLINE yuv_factors yuv_factors_of(const pupil_coder *c)
 {
@@ -72,9 +68,9 @@ INLINE void load_yuv_samples(const yuv_row *row, size_t i, floats y[WAYS], float
     }
 }
 
-/* The light of the group YUV_BEHIND before pixel i (`end`), and the codes of the group at i (`begin`). */
+/* The light of the group before pixel i (`end`), to `old`, and the codes of the group at i (`begin`), to `new`. */
 INLINE void step_of_yuv(const yuv_factors *f, const yuv_row *row, size_t i, int begin, int end,
-                        int32_t index[3][PUPIL_LANES], pupil_planes *p)
+                        int32_t index[3][PUPIL_LANES], pupil_planes *new, pupil_planes *old)
 {
     floats y[WAYS], u[WAYS], v[WAYS];
     if (begin) {
@@ -82,29 +78,28 @@ INLINE void step_of_yuv(const yuv_factors *f, const yuv_row *row, size_t i, int 
         FOR_EACH_WAY(k) y[k] = v_mul(v_sub(y[k], f->y_zero), f->y_unit);
     }
     if (end)
-        look_up_parts(f->light, index[0], p->r + (i - YUV_BEHIND));
+        look_up_parts(f->light, index[0], old->r);
     FOR_EACH_WAY(k)
     {
         const size_t w = (size_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), index[0] + w, p->r + i + w);
+            part_codes(v_add(y[k], v_mul(f->red_v, v[k])), index[0] + w, new->r + w);
     }
     if (end)
-        look_up_parts(f->light, index[1], p->g + (i - YUV_BEHIND));
+        look_up_parts(f->light, index[1], old->g);
     FOR_EACH_WAY(k)
     {
         const size_t w = (size_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), index[1] + w,
-                       p->g + i + w);
+            part_codes(v_add(v_add(y[k], v_mul(f->green_u, u[k])), v_mul(f->green_v, v[k])), index[1] + w, new->g + w);
     }
     if (end)
-        look_up_parts(f->light, index[2], p->b + (i - YUV_BEHIND));
+        look_up_parts(f->light, index[2], old->b);
     FOR_EACH_WAY(k)
     {
         const size_t w = (size_t)k * WIDTH;
         if (begin)
-            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), index[2] + w, p->b + i + w);
+            part_codes(v_add(y[k], v_mul(f->blue_u, u[k])), index[2] + w, new->b + w);
     }
 }
 
@@ -112,21 +107,16 @@ INLINE void step_of_yuv(const yuv_factors *f, const yuv_row *row, size_t i, int 
 INLINE uint32_t groups_of_row(const pupil_coder *c, const yuv_row *row, uint32_t n, pupil_planes *p)
 {
     const yuv_factors f = yuv_factors_of(c);
-    const size_t whole = n - n % PUPIL_LANES, first = whole < YUV_BEHIND ? whole : YUV_BEHIND;
-    yuv_indices index;
-    size_t i = 0;
-#define OF_GROUP index[i / PUPIL_LANES % 2]
-    for (; i < first; i += PUPIL_LANES)
-        step_of_yuv(&f, row, i, 1, 0, OF_GROUP, p);
-    for (; i + YUV_BEHIND <= whole; i += YUV_BEHIND) {
-        step_of_yuv(&f, row, i, 1, 1, index[0], p);
-        step_of_yuv(&f, row, i + PUPIL_LANES, 1, 1, index[1], p);
+    const size_t whole = n - n % PUPIL_LANES;
+    int32_t index[3][PUPIL_LANES];
+    if (!whole)
+        return 0;
+    step_of_yuv(&f, row, 0, 1, 0, index, p, 0);
+    for (size_t i = PUPIL_LANES; i < whole; i += PUPIL_LANES) {
+        pupil_planes *old = planes_from(p, i - PUPIL_LANES);
+        step_of_yuv(&f, row, i, 1, 1, index, planes_at(old, PUPIL_LANES), old);
     }
-    for (; i < whole; i += PUPIL_LANES)
-        step_of_yuv(&f, row, i, 1, 1, OF_GROUP, p);
-    for (i = whole + YUV_BEHIND - first; i < whole + YUV_BEHIND; i += PUPIL_LANES)
-        step_of_yuv(&f, row, i, 0, 1, OF_GROUP, p);
-#undef OF_GROUP
+    step_of_yuv(&f, row, whole, 0, 1, index, 0, planes_from(p, whole - PUPIL_LANES));
     return (uint32_t)whole;
 }
 
