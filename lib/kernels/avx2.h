@@ -151,16 +151,6 @@ INLINE ints v_min_halves(ints a, ints b)
 {
     return _mm256_min_epu16(a, b);
 }
-/* the lower 16 bits of a and the upper of b */
-INLINE ints v_halves(ints a, ints b)
-{
-    return _mm256_blend_epi16(a, b, 0xaa);
-}
-/* the first and third byte of each four of a, and the others of b */
-INLINE ints v_bytes_in_turns(ints a, ints b)
-{
-    return _mm256_blendv_epi8(a, b, _mm256_set1_epi16(-0x100));
-}
 INLINE ints v_to_ints(floats a)
 {
     return _mm256_cvttps_epi32(a);
@@ -439,6 +429,18 @@ INLINE void load8_rgb16f(const void *source, floats *r, floats *g, floats *b, fl
 }
 
 /* --- store WIDTH pixels of 8-bit codes --- */
+
+/* Pixels whose codes are the third bytes of three numbers each, opaque. */
+INLINE ints v_pixels(ints first, ints second, ints third)
+{
+    const __m256i to_first =
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(2, -1, -1, -1, 6, -1, -1, -1, 10, -1, -1, -1, 14, -1, -1, -1));
+    const __m256i to_second =
+        _mm256_broadcastsi128_si256(_mm_setr_epi8(-1, 2, -1, -1, -1, 6, -1, -1, -1, 10, -1, -1, -1, 14, -1, -1));
+    const __m256i ends = _mm256_blend_epi16(_mm256_shuffle_epi8(first, to_first), third, 0xaa);
+    return _mm256_or_si256(_mm256_or_si256(ends, _mm256_shuffle_epi8(second, to_second)),
+                           _mm256_set1_epi32((int32_t)0xff000000u));
+}
 
 INLINE void v_store_four(ints pixel, uint8_t *target)
 {

@@ -151,16 +151,6 @@ INLINE ints v_min_halves(ints a, ints b)
 {
     return _mm512_min_epu16(a, b);
 }
-/* the lower 16 bits of a and the upper of b */
-INLINE ints v_halves(ints a, ints b)
-{
-    return _mm512_mask_blend_epi16(0xaaaaaaaa, a, b);
-}
-/* the first and third byte of each four of a, and the others of b */
-INLINE ints v_bytes_in_turns(ints a, ints b)
-{
-    return _mm512_mask_blend_epi8(0xaaaaaaaaaaaaaaaa, a, b);
-}
 INLINE ints v_to_ints(floats a)
 {
     return _mm512_cvttps_epi32(a);
@@ -401,6 +391,17 @@ INLINE void load16_rgb16f(const void *source, floats *r, floats *g, floats *b, f
 }
 
 /* --- store 16 pixels of 8-bit codes --- */
+
+/* Pixels whose codes are the third bytes of three numbers each, opaque. */
+INLINE ints v_pixels(ints first, ints second, ints third)
+{
+    const __m512i to_first = _mm512_set4_epi32(14, 10, 6, 2),
+                  to_second = _mm512_set4_epi32(14 << 8, 10 << 8, 6 << 8, 2 << 8);
+    const __m512i ends =
+        _mm512_mask_blend_epi16(0xaaaaaaaa, _mm512_maskz_shuffle_epi8(0x1111111111111111, first, to_first), third);
+    return _mm512_ternarylogic_epi32(ends, _mm512_maskz_shuffle_epi8(0x2222222222222222, second, to_second),
+                                     _mm512_set1_epi32((int32_t)0xff000000u), 0xfe); /* or */
+}
 
 INLINE void v_store_four(ints pixel, uint8_t *target)
 {

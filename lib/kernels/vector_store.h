@@ -8,7 +8,7 @@
  */
 #include "vector_scale.h"
 
-/* In 1/65536 code. ERROR is an upper bound of the error over all floats (23.5; a test tries each of them), TOE_ERROR
+/* In 1/65536 code. ERROR is an upper bound of the error over all floats (23.6; a test tries each of them), TOE_ERROR
  * that of the lines near black. */
 #define CODE          65536.0f
 #define ERROR         28.0f
@@ -16,35 +16,36 @@
 #define UNCERTAIN     56  /* twice the error */
 #define UNCERTAIN_TOE 352 /* where some are near black */
 
+/* A code is added to 2^23 in units of 1/32768: then the number's lower bits are that sum, and need no conversion.
+ * A polynomial whose first factor is 1 takes an addition where another would take a product and a copy of its factor.
+ */
 typedef struct srgb_constants {
-    floats power; /* 65536 * 255 * 1.055 * 2^(5/12 k) for x in [2^k, 2^(k+1)), k = -8..-1, at k + 127 mod 8 */
-    floats p[6];  /* m^(5/12) for m in [1, 2), relative error 1.2e-6: minimax, by Remez' exchange */
+    floats power; /* 32768 * 255 * 1.055 * 2^(5/12 k) * FIRST for x in [2^k, 2^(k+1)), k = -8..-1, at k + 127 mod 8 */
+    floats p[5];  /* m^(5/12) / FIRST for m in [1, 2), less m^5; relative error 1.2e-6: minimax, by Remez' exchange */
     floats
         line[2]; /* slopes: the linear toe (2e-4 less, so that it also serves the first boundary above it), and the */
-    floats from[2];           /* line through the two last boundaries below 2^-8 */
-    floats offset[3], second; /* what is added to each channel: -2^24 to the second one, which `pixel_of` needs */
+    floats from[2]; /* line through the two last boundaries below 2^-8 */
+    floats offset;
 } srgb_constants;
 
-static const float srgb_power[8] = {2334900.71f, 3116718.52f, 4160320.09f, 5553361.07f,
-                                    7412847.68f, 9894964.51f, 13208193.0f, 1749199.13f};
+/* FIRST is 0.00543537306. */
+static const float srgb_power[8] = {6345.52832f, 8470.26367f, 11306.4463f, 15092.2949f,
+                                    20145.7969f, 26891.4121f, 35895.7305f, 4753.7749f};
 
 INLINE srgb_constants srgb_constants_of(void)
 {
     srgb_constants c;
     c.power = v_table8_of(srgb_power);
-    c.p[0] = v_all(0.376330309f);
-    c.p[1] = v_all(0.952814901f);
-    c.p[2] = v_all(-0.491730163f);
-    c.p[3] = v_all(0.208567785f);
-    c.p[4] = v_all(-0.0514170146f);
-    c.p[5] = v_all(0.00543537306f);
-    c.line[0] = v_all(215871723.0f); /* 12.92 * 255 * 65536 * (1 - 2e-4) */
-    c.from[0] = v_all(0.5f * CODE + TOE_ERROR);
-    c.line[1] = v_all(193289842.0f);
-    c.from[1] = v_all(108127.817f + TOE_ERROR);
-    c.second = v_all(-256.0f * CODE);
-    c.offset[0] = c.offset[2] = v_all((0.5f - 0.055f * 255.0f) * CODE + ERROR);
-    c.offset[1] = v_add(c.offset[0], c.second);
+    c.p[0] = v_all(69.2372513f);
+    c.p[1] = v_all(175.298889f);
+    c.p[2] = v_all(-90.4685211f);
+    c.p[3] = v_all(38.372303f);
+    c.p[4] = v_all(-9.45970249f);
+    c.line[0] = v_all(107935862.0f); /* 12.92 * 255 * 32768 * (1 - 2e-4) */
+    c.from[0] = v_all(0x1p23f + (0.5f * CODE + TOE_ERROR) / 2);
+    c.line[1] = v_all(96644921.0f);
+    c.from[1] = v_all(0x1p23f + (108127.817f + TOE_ERROR) / 2);
+    c.offset = v_all(0x1p23f + ((0.5f - 0.055f * 255.0f) * CODE + ERROR) / 2);
     return c;
 }
 
@@ -56,26 +57,29 @@ enum { GUESSES = 3 };
 #define FOR_EACH_GUESS(k) _Pragma("GCC unroll 8") for (int k = 0; k < GUESSES; k++)
 #endif
 
-/* x is from 2^-8 (from 0 if `dark`) to just below 1. The upper half of the result is the code, which is certain if the
- * lower half is not below UNCERTAIN (dark: UNCERTAIN_TOE). */
-INLINE void srgb_guess(const floats x[GUESSES], const srgb_constants *c, int dark, ints to[GUESSES])
+/* x is from 2^-8 to just below 1. The third byte of the result is the code, which is certain if the lower half is not
+ * below UNCERTAIN. */
+INLINE void srgb_guess(const floats x[GUESSES], const srgb_constants *c, floats code[GUESSES])
 {
-    floats m[GUESSES], code[GUESSES], power[GUESSES];
+    floats m[GUESSES], power[GUESSES];
     FOR_EACH_GUESS(k) m[k] = v_of_bits(v_or(v_bits(x[k]), v_all_ints(0x3f800000))); /* exponents up to 127 become 127 */
     FOR_EACH_GUESS(k) power[k] = v_table8(c->power, v_right(v_bits(x[k]), 23));
-    FOR_EACH_GUESS(k) code[k] = v_about(c->p[5], m[k], c->p[4]);
+    FOR_EACH_GUESS(k) code[k] = v_add(m[k], c->p[4]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[3]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[2]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[1]);
     FOR_EACH_GUESS(k) code[k] = v_about(code[k], m[k], c->p[0]);
-    FOR_EACH_GUESS(k) code[k] = v_about(code[k], power[k], c->offset[k]);
-    if (dark)
-        FOR_EACH_GUESS(k)
-        {
-            const floats toe = v_min(v_about(x[k], c->line[0], c->from[0]), v_about(x[k], c->line[1], c->from[1]));
-            code[k] = v_select(v_less(x[k], v_all(0x1p-8f)), k == 1 ? v_add(toe, c->second) : toe, code[k]);
-        }
-    FOR_EACH_GUESS(k) to[k] = v_to_ints(code[k]);
+    FOR_EACH_GUESS(k) code[k] = v_about(code[k], power[k], c->offset);
+}
+
+/* The same for x from 0 to 2^-8; then the limit is UNCERTAIN_TOE. */
+INLINE void srgb_toe(const floats x[GUESSES], const srgb_constants *c, floats code[GUESSES])
+{
+    FOR_EACH_GUESS(k)
+    {
+        const floats toe = v_min(v_about(x[k], c->line[0], c->from[0]), v_about(x[k], c->line[1], c->from[1]));
+        code[k] = v_select(v_less(x[k], v_all(0x1p-8f)), toe, code[k]);
+    }
 }
 
 /* By its cell. */
@@ -85,12 +89,6 @@ INLINE ints code_of_cell(floats x, const pupil_encoder *e)
     const ints bits = v_bits(v_min(v_max(x, lowest), v_all(1.0f)));
     const ints cell = v_gather(e->cell, v_right(v_minus(bits, v_all_ints(e->base_bits)), 16));
     return v_plus(cell, v_and(bits, v_all_ints(0xffff)));
-}
-
-/* Each code is in the upper half of its number; all bits above the second code are set, which is alpha. */
-INLINE ints pixel_of(ints first, ints second, ints third)
-{
-    return v_bytes_in_turns(v_halves(v_right(first, 16), third), v_right_signed(second, 8));
 }
 
 INLINE void store_pixels(ints pixels, uint8_t *target, uint32_t bytes)
@@ -138,18 +136,24 @@ INLINE void fetch_second_lines(pupil_lines next, size_t i)
     fetch_each((const void *)next.first, 16 * WIDTH, next.pixel_bytes * i, 128);
 }
 
-/* Returns the pixels whose guesses are not all certain. */
-INLINE mask store_guesses(const floats x[3], const srgb_constants *c, int dark, uint8_t *at, uint32_t bytes)
+/* Returns the pixels whose guesses are not all certain. Dark samples are in few vectors, which are neighbours: a branch
+ * is cheaper than the toe for all. */
+INLINE mask store_guesses(const floats x[3], const srgb_constants *c, uint8_t *at, uint32_t bytes)
 {
-    ints code[3];
-    srgb_guess(x, c, dark, code);
-    store_pixels(pixel_of(code[0], code[1], code[2]), at, bytes);
+    floats guess[3];
+    ints code[3], limit = v_all_ints(0xffff0000u | (UNCERTAIN - 1));
+    srgb_guess(x, c, guess);
+    if (__builtin_expect(v_mask_bits(v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f))) != 0, 0)) {
+        srgb_toe(x, c, guess);
+        limit = v_all_ints(0xffff0000u | (UNCERTAIN_TOE - 1));
+    }
+    FOR_EACH_GUESS(k) code[k] = v_plus(v_bits(guess[k]), v_bits(guess[k]));
+    store_pixels(v_pixels(code[0], code[1], code[2]), at, bytes);
     const ints rest = v_min_halves(v_min_halves(code[0], code[1]), code[2]);
-    return v_equal_ints(v_min_halves(rest, v_all_ints(0xffff0000u | ((dark ? UNCERTAIN_TOE : UNCERTAIN) - 1))), rest);
+    return v_equal_ints(v_min_halves(rest, limit), rest);
 }
 
-/* Stores whole vectors as long as they do not write beyond the last pixel; returns the first pixel that is left. Dark
- * samples are in few vectors, which are neighbours: a branch is cheaper than the toe for all. */
+/* Stores whole vectors as long as they do not write beyond the last pixel; returns the first pixel that is left. */
 INLINE uint32_t store_srgb(const pupil_planes *planes, const float *first, const float *second, const float *third,
                            uint32_t n, const pupil_encoder *e, uint8_t *target, uint32_t bytes)
 {
@@ -166,9 +170,7 @@ INLINE uint32_t store_srgb(const pupil_planes *planes, const float *first, const
         uint8_t *at = target + i * bytes;
         fetch(at, WIDTH * bytes, PUPIL_BLOCK * bytes);
         fetch_second_lines(next, i);
-        const mask dark = v_less(v_min(v_min(x[0], x[1]), x[2]), v_all(0x1p-8f));
-        const mask uncertain = __builtin_expect(v_mask_bits(dark) == 0, 1) ? store_guesses(x, &c, 0, at, bytes)
-                                                                           : store_guesses(x, &c, 1, at, bytes);
+        const mask uncertain = store_guesses(x, &c, at, bytes);
         any |= v_mask_bits(uncertain);
         put_bits(&near, i, v_mask_bits(uncertain));
     }
@@ -187,7 +189,7 @@ INLINE uint32_t store_by_cells(const pupil_planes *planes, const float *first, c
         const ints x = code_of_cell(v_load(first + i), e), y = code_of_cell(v_load(second + i), e);
         const ints z = code_of_cell(v_load(third + i), e);
         fetch_second_lines(next, i);
-        store_pixels(pixel_of(x, v_or(y, v_all_ints(0xff000000u)), z), target + (size_t)i * bytes, bytes);
+        store_pixels(v_pixels(x, y, z), target + (size_t)i * bytes, bytes);
     }
     return i;
 }
