@@ -72,114 +72,142 @@ INLINE int w_any(v_words a)
     return !_mm256_testz_si256(a, a);
 }
 
-/* Forces a vector into a register here: gcc would make all look-ups first and combine them later, run out of registers,
- * and load entries again for each shuffle. */
-#define IN_REGISTER(v) __asm__("" : "+x"(v))
-
 /* A shuffle looks up 16 entries, and gives 0 for an index below 0. Each next 16 entries hold the difference (exclusive
- * or) to the last ones; it is applied as long as the index, less 16 each time, is not below 0. Indices from 128 on
- * begin below 0, and have a chain of their own. */
-INLINE __m256i sixteen_of(const uint8_t *table, int k)
+ * or) to the last ones; it is applied as long as the index, less 16 each time, is not below 0. A chain of such shuffles
+ * has 128 entries at most, for an index is signed; and only as many as there are from the least code to the largest. */
+INLINE __m256i sixteen_of(const uint8_t *table, size_t k)
 {
-    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(table + 16 * (size_t)k)));
+    return _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(const void *)(table + 16 * k)));
 }
 
+/* After the first. */
 #if defined(__clang__)
-#define FOR_CHAIN(k, COUNT) for (int k = 0; k < COUNT; k++)
+#define FOR_SPAN(k, SPAN) for (size_t k = (SPAN).first + 1; k <= (SPAN).last; k++)
 #else
-#define FOR_CHAIN(k, COUNT) _Pragma("GCC unroll 8") for (int k = 0; k < COUNT; k++)
+#define FOR_SPAN(k, SPAN) _Pragma("GCC unroll 1") for (size_t k = (SPAN).first + 1; k <= (SPAN).last; k++)
 #endif
 
-INLINE void look_up_chain(const uint8_t steps[128], __m256i at[4], __m256i found[4])
+typedef struct luma_entries {
+    const uint8_t *table, *steps;
+} luma_entries;
+
+/* Sixteens of codes, from first to last: in a part of a picture, codes are often near each other. */
+#define LEVEL_HAS_LUMA_SPANS
+typedef struct luma_span {
+    uint32_t first, last;
+} luma_span;
+
+INLINE uint32_t b_least(__m256i a)
 {
-    const __m256i step = _mm256_set1_epi8(16);
-    FOR_CHAIN(k, 8)
+    const __m128i half = _mm_min_epu8(_mm256_castsi256_si128(a), _mm256_extracti128_si256(a, 1));
+    return (uint32_t)_mm_cvtsi128_si32(_mm_minpos_epu16(_mm_min_epu8(half, _mm_srli_epi16(half, 8)))) & 0xff;
+}
+
+/* Of 128 codes in each of two rows. */
+INLINE luma_span span_of(const uint8_t *upper, const uint8_t *lower)
+{
+    __m256i low = b_load(upper), high = low;
+    FOR_FOUR(j)
     {
-        __m256i entries = sixteen_of(steps, k);
-        IN_REGISTER(entries);
+        const __m256i a = b_load(upper + 32 * (size_t)j), b = b_load(lower + 32 * (size_t)j);
+        low = b_min(low, b_min(a, b));
+        high = b_max(high, b_max(a, b));
+    }
+    return (luma_span){b_least(low) / 16, (255 - b_least(_mm256_xor_si256(high, b_all(255)))) / 16};
+}
+
+/* The entries of 128 codes; span: 8 sixteens at most. Codes below it, and from 128 above its first on, get 0. */
+INLINE void look_up_chain(const luma_entries *e, luma_span span, const uint8_t *from, __m256i found[4])
+{
+    const __m256i step = b_all(16), start = b_all(16 * span.first);
+    __m256i entries = sixteen_of(e->table, span.first), at[4];
+    FOR_FOUR(j)
+    {
+        at[j] = _mm256_sub_epi8(b_load(from + 32 * (size_t)j), start);
+        found[j] = _mm256_xor_si256(found[j], _mm256_shuffle_epi8(entries, at[j]));
+    }
+    FOR_SPAN(k, span)
+    {
+        entries = sixteen_of(e->steps, k);
         FOR_FOUR(j)
         {
-            found[j] = _mm256_xor_si256(found[j], _mm256_shuffle_epi8(entries, at[j]));
-            IN_REGISTER(found[j]);
             at[j] = _mm256_subs_epi8(at[j], step);
+            found[j] = _mm256_xor_si256(found[j], _mm256_shuffle_epi8(entries, at[j]));
         }
     }
 }
 
-typedef struct luma_entries {
-    const uint8_t *steps;
-} luma_entries;
-
-INLINE void luma_entries_of(const pupil_luma_tables *t, luma_entries *e)
+/* Not inline: gcc would copy all entries. */
+static __attribute__((noinline)) void look_up_128(const luma_entries *e, luma_span span, const uint8_t *from,
+                                                  uint8_t *to)
 {
-    e->steps = t->luma_steps;
-}
-
-/* 128 codes. In a part of a picture there are often none below 128, or none above. Not inline: gcc would copy all
- * entries. */
-static __attribute__((noinline)) void look_up_128(const uint8_t steps[256], const uint8_t *from, uint8_t *to)
-{
-    const __m256i upper = _mm256_set1_epi8(-128);
-    __m256i code[4], at[4], found[4];
-    FOR_FOUR(j)
-    {
-        code[j] = at[j] = b_load(from + 32 * (size_t)j);
-        found[j] = _mm256_setzero_si256();
-    }
-    const __m256i any = _mm256_or_si256(_mm256_or_si256(code[0], code[1]), _mm256_or_si256(code[2], code[3]));
-    const __m256i all = _mm256_and_si256(_mm256_and_si256(code[0], code[1]), _mm256_and_si256(code[2], code[3]));
-    if (!_mm256_testc_si256(all, upper))
-        look_up_chain(steps, at, found);
-    if (!_mm256_testz_si256(any, upper)) {
-        FOR_FOUR(j) at[j] = _mm256_xor_si256(code[j], upper);
-        look_up_chain(steps + 128, at, found);
+    __m256i found[4];
+    FOR_FOUR(j) found[j] = _mm256_setzero_si256();
+    if (span.last - span.first < 8) {
+        look_up_chain(e, span, from, found);
+    } else {
+        look_up_chain(e, (luma_span){0, 7}, from, found);
+        look_up_chain(e, (luma_span){8, 15}, from, found);
     }
     FOR_FOUR(j) b_store(to + 32 * (size_t)j, found[j]);
 }
 
-/* n is a multiple of 64; if it is none of 128, the last 128 overlap those before. */
-INLINE void luma_by_table(const luma_entries *e, const uint8_t *table, const uint8_t *from, uint32_t n, uint8_t *to)
+/* The new codes of both rows, 2 n bytes each (lower NULL: of one row), and the spans of their halves. n is a multiple
+ * of 32; if it is none of 64, the last 64 overlap those before. */
+static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n, uint8_t *upper,
+                      uint8_t *lower, luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART])
 {
-    for (uint32_t i = 0; i + 128 <= n; i += 128)
-        look_up_128(e->steps, from + i, to + i);
-    if (n % 128 && n > 128)
-        look_up_128(e->steps, from + n - 128, to + n - 128);
-    for (uint32_t i = 0; i < n && n < 128; i++)
-        to[i] = table[from[i]];
+    const luma_entries e = {t->luma, t->luma_steps};
+    const uint8_t *in_lower = in->lower ? in->lower : in->upper;
+    if (n < 64) {
+        spans[0] = (luma_span){0, 7};
+        for (uint32_t i = 0; i < 2 * n; i++)
+            upper[i] = t->luma[in->upper[i]];
+        for (uint32_t i = 0; i < 2 * n && lower; i++)
+            lower[i] = t->luma[in->lower[i]];
+        return;
+    }
+    for (uint32_t i = 0; i < n; i += 64) {
+        const size_t at = 2 * (size_t)(n - i < 64 ? n - 64 : i);
+        const luma_span span = span_of(in->upper + at, in_lower + at);
+        look_up_128(&e, span, in->upper + at, upper + at);
+        if (lower)
+            look_up_128(&e, span, in->lower + at, lower + at);
+        spans[i / PUPIL_LUMA_PART] = (luma_span){span.first / 2, span.last / 2};
+    }
 }
 
 typedef struct ratio_tables {
-    __m256i low[8], high[8];
+    const uint8_t *low, *high; /* entries, and, exclusive-ored with the sixteen before: */
+    __m256i low_steps[8], high_steps[8];
 } ratio_tables;
 
-INLINE void chain_of(const uint8_t table[128], __m256i chain[8])
+INLINE void steps_of(const uint8_t table[128], __m256i steps[8])
 {
-    __m256i last = _mm256_setzero_si256();
-    for (int k = 0; k < 8; k++) {
-        const __m256i next = sixteen_of(table, k);
-        chain[k] = _mm256_xor_si256(next, last);
-        last = next;
-    }
+    for (size_t k = 1; k < 8; k++)
+        steps[k] = _mm256_xor_si256(sixteen_of(table, k), sixteen_of(table, k - 1));
 }
 
 INLINE void ratio_tables_of(const pupil_luma_tables *t, ratio_tables *r)
 {
-    chain_of(t->ratio_low, r->low);
-    chain_of(t->ratio_high, r->high);
+    r->low = t->ratio_low;
+    r->high = t->ratio_high;
+    steps_of(t->ratio_low, r->low_steps);
+    steps_of(t->ratio_high, r->high_steps);
 }
 
-/* Of words up to 127. */
-INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_words ratio[2])
+/* Of words in a span of luma_rows. */
+INLINE void w_look_up(const ratio_tables *r, luma_span span, v_words first, v_words second, v_words ratio[2])
 {
-    const __m256i step = _mm256_set1_epi8(16);
-    __m256i at = _mm256_packus_epi16(first, second), low = _mm256_setzero_si256(), high = low;
-    FOR_CHAIN(k, 8)
+    const __m256i step = b_all(16);
+    __m256i at = _mm256_sub_epi8(_mm256_packus_epi16(first, second), b_all(16 * span.first));
+    __m256i low = _mm256_shuffle_epi8(sixteen_of(r->low, span.first), at);
+    __m256i high = _mm256_shuffle_epi8(sixteen_of(r->high, span.first), at);
+    FOR_SPAN(k, span)
     {
-        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(r->low[k], at));
-        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(r->high[k], at));
-        IN_REGISTER(low);
-        IN_REGISTER(high);
         at = _mm256_subs_epi8(at, step);
+        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(r->low_steps[k], at));
+        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(r->high_steps[k], at));
     }
     ratio[0] = _mm256_unpacklo_epi8(low, high);
     ratio[1] = _mm256_unpackhi_epi8(low, high);

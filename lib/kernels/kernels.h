@@ -237,9 +237,8 @@ typedef void pupil_luma_kernel(const pupil_chroma_coder *coder, const uint8_t *r
  * are the codes less 128, times a ratio, in 1/16 of a code. A quad is two pixels of each row, with their common Cb and
  * Cr. */
 typedef struct pupil_luma_tables {
-    uint8_t luma[256]; /* what a code of Y' becomes: a code of Y', or of grey R'G'B' */
-    /* The same for avx2_luma.h: each 16 entries exclusive-ored with the 16 before, starting again at 128. */
-    uint8_t luma_steps[256];
+    uint8_t luma[256];       /* what a code of Y' becomes: a code of Y', or of grey R'G'B' */
+    uint8_t luma_steps[256]; /* for avx2_luma.h: each 16 entries exclusive-ored with the 16 before */
     /* The factors of Cb and Cr, in 1/2048, indexed by the mean of a quad's codes in steps of two. */
     uint8_t ratio_low[128], ratio_high[128];
     int16_t red_v, blue_u, green_u, green_v; /* scaled to R'G'B' in quarters of a code, in 2^-15 */

@@ -149,7 +149,7 @@ void pupil_luma_tables_make(const pupil_row_job *job, const pupil_chroma_coder *
         t->luma[i] = codes[4 * i + 1];
     make_ratios(&in, &out, t);
     for (uint32_t i = 0; i < 256; i++)
-        t->luma_steps[i] = i % 128 < 16 ? t->luma[i] : t->luma[i] ^ t->luma[i - 16];
+        t->luma_steps[i] = i < 16 ? 0 : t->luma[i] ^ t->luma[i - 16];
     t->red_v = word_of(c->red_v * 8192.0f);
     t->blue_u = word_of(c->blue_u * 8192.0f);
     t->green_u = word_of(c->green_u * 8192.0f);

@@ -58,41 +58,55 @@ INLINE v_words is_beyond(const luma_words *c, const scaled_words *s, v_bytes upp
     return w_greater(w_max(w_max(s->red, s->blue), s->green), w_min(surface, far));
 }
 
+#ifndef LEVEL_HAS_LUMA_SPANS
+/* Only avx2_luma.h finds the span of codes of each part: then fewer of its look-ups are needed. */
+typedef struct luma_span {
+    uint8_t none;
+} luma_span;
+#define w_look_up(r, span, first, second, ratio) ((void)(span), w_look_up(r, first, second, ratio))
+
 /* The new codes of both rows, 2 n bytes each. */
 static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n, uint8_t *upper,
-                      uint8_t *lower)
+                      uint8_t *lower, luma_span *spans)
 {
     luma_entries e;
+    (void)spans;
     luma_entries_of(t, &e);
     luma_by_table(&e, t->luma, in->upper, 2 * n, upper);
     if (lower)
         luma_by_table(&e, t->luma, in->lower, 2 * n, lower);
 }
+#endif
 
-/* Two vectors of quads, from i on; upper, lower: codes as luma_rows wrote them. */
+/* Two vectors of quads, from i on, of two rows; upper, lower: codes as luma_rows wrote them. */
 typedef struct luma_step {
     scaled_words s[2];
     v_words beyond[2];
 } luma_step;
 
-INLINE luma_step step_of(const luma_words *c, const ratio_tables *ratios, const pupil_luma_quads *in,
-                         const uint8_t *upper, const uint8_t *lower, size_t i)
+INLINE luma_step step_of(const luma_words *c, const ratio_tables *ratios, const luma_span *spans,
+                         const pupil_luma_quads *in, const uint8_t *upper, const uint8_t *lower, size_t i)
 {
     luma_step step;
-    const uint8_t *in_lower = in->lower ? in->lower : in->upper;
-    const v_words first = mean_of(b_load(in->upper + 2 * i), b_load(in_lower + 2 * i));
-    const v_words second = mean_of(b_load(in->upper + 2 * i + 2 * QUADS), b_load(in_lower + 2 * i + 2 * QUADS));
+    const v_words first = mean_of(b_load(in->upper + 2 * i), b_load(in->lower + 2 * i));
+    const v_words second = mean_of(b_load(in->upper + 2 * i + 2 * QUADS), b_load(in->lower + 2 * i + 2 * QUADS));
     v_words ratio[2];
     fetch(in->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
-    fetch(in_lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+    fetch(in->lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
     fetch(in->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
-    w_look_up(ratios, first, second, ratio);
+    w_look_up(ratios, spans[i / PUPIL_LUMA_PART], first, second, ratio);
     for (size_t k = 0; k < 2; k++) {
         const size_t at = 2 * (i + k * QUADS);
         step.s[k] = scaled_by(c, w_load(in->chroma + at), ratio[k]);
-        step.beyond[k] = is_beyond(c, &step.s[k], b_load(upper + at), b_load((lower ? lower : upper) + at));
+        step.beyond[k] = is_beyond(c, &step.s[k], b_load(upper + at), b_load(lower + at));
     }
     return step;
+}
+
+/* One row counts as two. */
+INLINE pupil_luma_quads both_rows(const pupil_luma_quads *in)
+{
+    return (pupil_luma_quads){in->upper, in->lower ? in->lower : in->upper, in->chroma};
 }
 
 static uint32_t yuv_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n,
@@ -100,18 +114,21 @@ static uint32_t yuv_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
 {
     const luma_words c = luma_words_of(t);
     ratio_tables ratios;
+    luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART];
     const uint32_t whole = n / (2 * QUADS) * (2 * QUADS);
     uint32_t parts = 0;
+    const pupil_luma_quads rows = both_rows(in); /* and `to`: copies, which no store can change */
+    const pupil_luma_target to = {out->upper, out->lower ? out->lower : out->upper, out->chroma, 0};
     if (whole)
-        luma_rows(t, in, whole, out->upper, out->lower);
+        luma_rows(t, in, whole, out->upper, out->lower, spans);
     ratio_tables_of(t, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
-        const luma_step step = step_of(&c, &ratios, in, out->upper, out->lower, i);
-        fetch(out->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
-        fetch(out->lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
-        fetch(out->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+        const luma_step step = step_of(&c, &ratios, spans, &rows, to.upper, to.lower, i);
+        fetch(to.upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+        fetch(to.lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
+        fetch(to.chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
         for (size_t k = 0; k < 2; k++) {
-            b_store(out->chroma + 2 * (i + k * QUADS), w_to_pairs(step.s[k].u, step.s[k].v));
+            b_store(to.chroma + 2 * (i + k * QUADS), w_to_pairs(step.s[k].u, step.s[k].v));
             w_store(exact + i + k * QUADS, step.beyond[k]);
         }
         parts |= (uint32_t)w_any(w_or(step.beyond[0], step.beyond[1])) << i / PUPIL_LUMA_PART;
@@ -153,13 +170,15 @@ static uint32_t rgb_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
     const luma_words c = luma_words_of(t);
     uint8_t grey[2][2 * PUPIL_LUMA_QUADS];
     ratio_tables ratios;
+    luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART];
     const uint32_t whole = n / (2 * QUADS) * (2 * QUADS);
     uint32_t parts = 0;
+    const pupil_luma_quads rows = both_rows(in);
     if (whole)
-        luma_rows(t, in, whole, grey[0], in->lower ? grey[1] : 0);
+        luma_rows(t, in, whole, grey[0], in->lower ? grey[1] : 0, spans);
     ratio_tables_of(t, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
-        const luma_step step = step_of(&c, &ratios, in, grey[0], in->lower ? grey[1] : 0, i);
+        const luma_step step = step_of(&c, &ratios, spans, &rows, grey[0], grey[in->lower ? 1 : 0], i);
         fetch(out->upper + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
         if (in->lower)
             fetch(out->lower + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
