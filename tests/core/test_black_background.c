@@ -202,7 +202,7 @@ static void in_parts(void)
     struct {
         pupil_stats stats;
         uint64_t beyond;
-    } old;
+    } old, old_sum;
     const uint32_t old_bytes = (uint32_t)offsetof(pupil_stats, black_weight);
     pupil_t pupil;
     double mean = 0;
@@ -225,6 +225,10 @@ static void in_parts(void)
     CHECK(pupil_stats_mean(&whole, 0, 1, &mean) == PUPIL_OK && fabs(level_of_stats(&old.stats) - mean) < 1e-12);
     pupil_stats_clear(&sum);
     CHECK(pupil_stats_add(&sum, &old.stats) == PUPIL_OK && sum.black_weight == 0);
+    old_sum.stats.black_weight = old_sum.beyond = 77;
+    pupil_stats_clear_sized(&old_sum.stats, old_bytes);
+    CHECK(pupil_stats_add(&old_sum.stats, &old.stats) == PUPIL_OK && old_sum.stats.weight == old.stats.weight);
+    CHECK(old_sum.stats.black_weight == 77 && old_sum.beyond == 77);
     whole.black_weight = whole.weight + 1;
     CHECK(pupil_adapt(&pupil, &whole, NULL) == PUPIL_ERR_STATS);
     frame_free(&f);
