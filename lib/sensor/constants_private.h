@@ -211,10 +211,10 @@
 /* The most steps without a response in a row that are counted: each doubles the next step. */
 #define SENSOR_UNANSWERED_MOST 4
 /* A noisy setting far from the profile is kept for so many frames. */
-#define SENSOR_PINNED_FRAMES 300
+#define SENSOR_NOISY_FRAMES 300
 /* How often a search may change the control that moves. */
 #define SENSOR_SWAPS 3
-/* At a larger change of the wanted effect a search is forgotten: no search settles further off than this. */
+/* At a larger change of the wanted effect no control stays pinned: no search settles further off than this. */
 #define SENSOR_UNPIN_EV 1.0
 /* A part of an exchange of exposure for gain: from one half period of the mains to two, which digital_ev covers. */
 #define SENSOR_EXCHANGE_EV 1.0

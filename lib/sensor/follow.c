@@ -73,7 +73,7 @@ void pupil_sensor_count_frame(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_estimate *a = &o->estimate;
-    s->since = s->since + a->gap < SENSOR_PINNED_FRAMES ? s->since + a->gap : SENSOR_PINNED_FRAMES;
+    s->since = s->since + a->gap < SENSOR_NOISY_FRAMES ? s->since + a->gap : SENSOR_NOISY_FRAMES;
     s->looks += s->looks < SENSOR_RING;
     if (o->setting.frames == 1 && (a->in_force[0] != a->requested[0] || a->in_force[1] != a->requested[1]))
         s->since = s->looks = 0; /* the camera began with another setting than it was asked for */
@@ -126,7 +126,7 @@ static int is_noisy(const pupil_sensor_object *o)
 {
     const sensor_search *s = &o->search;
     double e, g;
-    if (s->is_restored || s->since < SENSOR_PINNED_FRAMES || o->plan.held_back_ev < SENSOR_SETTLED_EV ||
+    if (s->is_restored || s->since < SENSOR_NOISY_FRAMES || o->plan.held_back_ev < SENSOR_SETTLED_EV ||
         o->estimate.noise_ev < SENSOR_CALM_EV)
         return 0;
     pupil_sensor_split_freely(o, o->estimate.requested[0] + o->estimate.requested[1], &e, &g);

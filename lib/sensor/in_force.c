@@ -44,7 +44,8 @@ int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
         is_late |= !is_in && a->reports && !a->best[c];
     }
     /* Uncontradicted metadata say that it is not in force: the delay may be longer than believed. And if a slow program
-     * loses frames, those that arrive have waited in the driver: only those are counted. */
+     * loses frames, those that arrive have waited in the driver: only those are counted.
+     * Without metadata, too, until a delay is found. */
     const uint32_t usual = pupil_sensor_wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
     const int is_waiting = o->search.since < usual || (is_late && o->search.looks < (usual > least ? usual : least));
     return is_waiting && !(is_there && is_by_metadata(a));

@@ -171,7 +171,7 @@ typedef struct sensor_search {
     double wrong_ev;     /* the error when it last shrank */
     double wrong_wanted; /* the effect that was wanted then */
     uint32_t wrong_frames, wrong_times; /* since then; doubts so far */
-    uint32_t since;                     /* frames since the setting was last changed, at most SENSOR_PINNED_FRAMES */
+    uint32_t since;                     /* frames since the setting was last changed, at most SENSOR_NOISY_FRAMES */
     uint32_t looks;                     /* the same without lost frames */
     uint32_t is_large;                  /* the last change was large, and is not evaluated yet */
     uint32_t is_blunt;   /* small steps did not do what was expected in this light: the digital factor does them */
