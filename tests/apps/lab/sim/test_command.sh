@@ -75,6 +75,15 @@ read=9.88817405,shot=1,scene=lognormal:1.54274,light=6.38267585ev,mute=22.396466
 8.3619s 0.131ev; 8.8619s -1.086ev; 9.3619s -0.743ev; 9.8619s 0.583ev; 10.3619s -0.892ev; 11.0831s -0.161ev" >again.txt ||
     fail "$(grep verdict again.txt)"
 
+# Slow programs: their frames have waited in a queue, and nothing says which setting they were taken with.
+for queue in 2/2 2/15 3/4 3/9 4/3 4/6 4/10 4/16; do
+    for told in truth nothing; do
+        "$program" sim -q --check --camera "queue=$queue,told=$told,noise=0.01ev,curve=gamma:0.8" \
+            --light '4s step +3ev; 30s step -5ev; 60s step +1.5ev; 90s step -3ev' >again.txt ||
+            fail "queue=$queue,told=$told: $(grep verdict again.txt)"
+    done
+done
+
 if command -v gnuplot >/dev/null; then
     "$program" sim --plot run.svg >/dev/null
     grep -q '<svg' run.svg || fail "no plot"
