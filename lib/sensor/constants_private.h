@@ -143,6 +143,9 @@
 #define SENSOR_KNOWN_MOST  1.25
 /* Frames that may have waited in a slow program's buffers: V4L2 programs take 4 to 8. */
 #define SENSOR_STILL_FRAMES 8
+/* A program that loses frames before each of so many in a row is slower than the camera. With one frame in five lost at
+ * random, that happens once in 400,000. */
+#define SENSOR_SLOW_FRAMES 8
 /* Settings are the same within SAME; guesses differ from DIFFER on. */
 #define SENSOR_SAME_EV   0.05
 #define SENSOR_DIFFER_EV 0.01

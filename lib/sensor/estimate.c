@@ -11,18 +11,24 @@
 
 #include "base/numeric.h"
 
+/* The cost of a pair of guesses before anything was seen. */
+static float prior_cost(const pupil_sensor_object *o, uint32_t e, uint32_t g)
+{
+    return e > o->config.delay_frames || g > o->config.delay_frames ? (float)SENSOR_COST_PRIOR : 0.0f;
+}
+
 void pupil_sensor_forget(pupil_sensor_object *o)
 {
     sensor_estimate *a = &o->estimate;
     for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
         for (uint32_t g = 0; g < SENSOR_GUESSES; g++)
-            a->cost[e][g] = e > o->config.delay_frames || g > o->config.delay_frames ? (float)SENSOR_COST_PRIOR : 0.0f;
+            a->cost[e][g] = prior_cost(o, e, g);
     a->noise_ev = 2.0 * SENSOR_QUANTILE_NOISE_EV;
     a->response[0] = a->response[1] = 1.0;
     a->unit[0] = a->unit[1] = 0.0;
     a->still[0] = a->still[1] = 0;
     a->delay[0] = a->delay[1] = 0;
-    a->is_borne_out = a->learned = a->seen = 0;
+    a->is_borne_out = a->has_reported = a->learned = a->seen = 0;
 }
 
 /* What was learned does not explain what is seen: responses are reset, and delays become half as certain. */
@@ -30,10 +36,8 @@ void pupil_sensor_doubt(pupil_sensor_object *o)
 {
     sensor_estimate *a = &o->estimate;
     for (uint32_t e = 0; e < SENSOR_GUESSES; e++)
-        for (uint32_t g = 0; g < SENSOR_GUESSES; g++) {
-            const int is_late = e > o->config.delay_frames || g > o->config.delay_frames;
-            a->cost[e][g] = (float)(0.5 * ((double)a->cost[e][g] + (is_late ? SENSOR_COST_PRIOR : 0.0)));
-        }
+        for (uint32_t g = 0; g < SENSOR_GUESSES; g++)
+            a->cost[e][g] = (float)(0.5 * ((double)a->cost[e][g] + (double)prior_cost(o, e, g)));
     a->response[0] = a->response[1] = 1.0;
     a->learned = a->seen = 0;
 }
@@ -135,6 +139,16 @@ static int are_stuck(const pupil_sensor_object *o)
     return 0;
 }
 
+/* The first metadata: what was paid for guess 0 before was not theirs. */
+static void begin_metadata(pupil_sensor_object *o)
+{
+    sensor_estimate *a = &o->estimate;
+    for (uint32_t i = 0; i < SENSOR_GUESSES; i++) {
+        a->cost[0][i] = prior_cost(o, 0, i);
+        a->cost[i][0] = prior_cost(o, i, 0);
+    }
+}
+
 static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
 {
     sensor_estimate *a = &o->estimate;
@@ -145,9 +159,14 @@ static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
         now[1] = pupil_log2(info->gain);
         a->said_frames = now[0] == a->said[0] && now[1] == a->said[1] ? a->said_frames + a->gap : 0;
         a->reports = !are_stuck(o);
+        if (!a->has_reported)
+            begin_metadata(o);
+        a->has_reported = 1;
     }
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         a->said_before[c] = a->said[c];
+        if (a->reports && !a->reports_before) /* the frame before: by the best guess after it */
+            a->reported[c] = a->in_force[c];
         if (a->reports) {
             a->said[c] = now[c];
             read_control(o, c);
@@ -405,11 +424,16 @@ static __attribute__((noinline)) uint32_t delay_of(const pupil_sensor_object *o,
                                                                                                      : 0;
 }
 
-/* Counts frames, lost ones too: what was asked for after the frame before holds for all that were lost. */
+/* Counts frames, lost ones too: what was asked for after the frame before holds for all that were lost. A program that
+ * loses frames before each one it gets is slower than the camera. Its frames have waited in a full queue, always for
+ * the same number of those that it gets: lost ones are not counted. */
 static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;
-    a->gap = sequence > a->sequence && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
+    const int is_ahead = sequence > a->sequence;
+    a->losses = is_ahead && ahead > 1 ? a->losses + (a->losses < SENSOR_SLOW_FRAMES) : 0;
+    const int is_slow = a->losses == SENSOR_SLOW_FRAMES;
+    a->gap = is_ahead && !is_slow && ahead < SENSOR_RING - SENSOR_DELAYS ? (uint32_t)ahead : 1;
     a->sequence = sequence;
     for (uint32_t i = 0; i < a->gap; i++) {
         a->past[(a->frame + i + 1) % SENSOR_RING].gap = 0;

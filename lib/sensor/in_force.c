@@ -36,18 +36,18 @@ uint32_t pupil_sensor_wait_frames(const pupil_sensor_object *o)
 int pupil_sensor_is_on_its_way(const pupil_sensor_object *o)
 {
     const sensor_estimate *a = &o->estimate;
-    const int is_found = a->delay[0] || a->delay[1];
-    int is_there = 1, is_late = !a->reports && a->gap > 1 && !is_found;
+    int is_there = 1, is_late = 0;
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         const int is_in = size_of(a->in_force[c] - a->requested[c]) < SENSOR_DIFFER_EV;
         is_there &= is_in;
         is_late |= !is_in && a->reports && !a->best[c];
     }
-    /* Uncontradicted metadata say that it is not in force: the delay may be longer than believed. And if a slow program
-     * loses frames, those that arrive have waited in the driver: only those are counted.
-     * Without metadata, too, until a delay is found. */
+    /* Uncontradicted metadata say that it is not in force: the delay may be longer than believed, and longer still if
+     * frames are lost: then those that arrive have waited in the driver, and only those are counted. */
     const uint32_t usual = pupil_sensor_wait_frames(o), least = SENSOR_LATE_FRAMES + 1;
-    const int is_waiting = o->search.since < usual || (is_late && o->search.looks < (usual > least ? usual : least));
+    const int is_losing = o->search.looks < o->search.since || a->losses;
+    const uint32_t late = is_losing ? usual + SENSOR_LATE_FRAMES : usual > least ? usual : least;
+    const int is_waiting = o->search.since < usual || (is_late && o->search.looks < late);
     return is_waiting && !(is_there && is_by_metadata(a));
 }
 

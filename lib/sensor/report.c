@@ -46,9 +46,7 @@ static int is_off(const pupil_sensor_object *o, const sensor_evidence *v)
 static void write_again(pupil_sensor_object *o)
 {
     const double dt_s = o->setting.dt_s, most_s = 0.5 * SENSOR_REWRITE_S; /* not in two frames in a row */
-    o->rewrite_s += smaller(dt_s, most_s);
-    if (o->setting.changed)
-        o->rewrite_s = 0.0;
+    o->rewrite_s += o->setting.changed ? 0.0 : smaller(dt_s, most_s);
     if (o->rewrite_s < SENSOR_REWRITE_S)
         return;
     o->rewrite_s = 0.0;
@@ -80,6 +78,8 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_within = size_of(o->plan.beyond) <= SENSOR_SETTLED_EV;
+    if (s->changed) /* this write counts, whatever is reported */
+        o->rewrite_s = 0.0;
     if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state remains; but what is shown is off */
         s->reason = PUPIL_SENSOR_FLASH;
         s->state = s->state == PUPIL_SENSOR_CONVERGED ? PUPIL_SENSOR_SEARCHING : s->state;

@@ -89,8 +89,9 @@ typedef struct sensor_estimate {
     double answered;                        /* movement of the picture in this frame; 0: unknown */
     double unexplained;                     /* stops that a change of the setting leaves unexplained */
     uint64_t sequence;
-    uint32_t frame; /* index of this frame in past and asked */
-    uint32_t gap;   /* frames since the one before; above 1: some were lost */
+    uint32_t frame;  /* index of this frame in past and asked */
+    uint32_t gap;    /* frames since the one before, as they are counted; above 1: some were lost */
+    uint32_t losses; /* frames in a row before which some were lost, at most SENSOR_SLOW_FRAMES */
     uint32_t has_level, has_frame;
     uint32_t alive[SENSOR_CONTROLS]; /* bit masks of the guesses that are not ruled out */
     uint32_t best[SENSOR_CONTROLS], best_before[SENSOR_CONTROLS];
@@ -98,6 +99,7 @@ typedef struct sensor_estimate {
     uint32_t said_frames;            /* frames since the metadata moved */
     uint32_t reports;                /* this frame has metadata of both controls, not stuck */
     uint32_t reports_before;         /* the frame before had them */
+    uint32_t has_reported;           /* some frame had metadata */
     uint32_t is_borne_out;           /* the picture has moved as the metadata say */
     uint32_t seen;                   /* bit mask of controls whose own response was learned */
     uint32_t is_searching;           /* copy of sensor_search's */

@@ -16,10 +16,10 @@
  *
  * The promise: once light and configuration have not changed for max(60, 12 x delay_frames) delivered frames, the shown
  * picture is within 0.1 stops of the aim (`key`, `key_at`, `ev_compensation`, or where highlights hold it back), and
- * the sensor is within 0.25 stops of its best setting, or within half of the camera's own step there. This holds
- * whatever happened before, on every camera on which more exposure or gain never makes the picture darker. Where the
- * aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says how this is reached and tested, how
- * often it is missed, and what to do in each state (States).
+ * the sensor is within 0.25 stops of its best setting, or within half of a step there, of the control with larger
+ * steps. This holds whatever happened before, on every camera on which more exposure or gain never makes the picture
+ * darker. Where the aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says how this is reached
+ * and tested, how often it is missed, and what to do in each state (States).
  *
  * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
  * before frame_digital. Highlights and clipped light need a histogram (pupil_config.histogram). White is set once,
@@ -29,7 +29,7 @@
  * Metadata: info.exposure_s and info.gain are the values that the camera reports for this very frame; 0 where it
  * reports none. Wrong units, delays and rounding are detected. Do not fill in the values requested last: that would
  * look like a camera without delay. info.sequence says whether a frame is new and how many were lost; it may restart.
- * Timestamps may be equal, stop or jump.
+ * It is 0 where the source has none: then no frame counts as lost. Timestamps may be equal, stop or jump.
  *
  * Settings: exposure_s and gain are already rounded to values that the camera has (exposure_step_s or exposure_table,
  * gain_law): down, or to the nearest where rounding down would lose more than 0.125 stops. If the camera needs codes,
@@ -106,9 +106,10 @@ typedef struct pupil_sensor_stage {
 
 typedef struct pupil_sensor_config {
     uint32_t size_bytes;   /* abi.h; filled in by pupil_sensor_config_default */
-    uint32_t delay_frames; /* the camera's longest possible delay, in frames: from the measured frame to the first one
-                            * that was taken with the new setting. Too large a value only costs time until the real
-                            * delay is found; 4; 1..16 */
+    uint32_t delay_frames; /* the camera's longest possible delay, in frames of the camera: from the measured frame to
+                            * the first one that was taken with the new setting. Frames that wait in a program's queue
+                            * need not be added. Too large a value only costs time until the real delay is found; 4;
+                            * 1..16 */
 
     /* the aim */
     double key; /* the wanted log-average, as a share of `clip`; 0.18; 2^-10..1 */
