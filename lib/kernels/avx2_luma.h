@@ -59,14 +59,24 @@ INLINE v_bytes b_all(uint32_t x)
 {
     return _mm256_set1_epi8((char)x);
 }
-/* how many bytes are the same, over several vectors */
-typedef uint32_t matches;
-#define b_no_matches() 0
-INLINE matches b_match(matches m, v_bytes a, v_bytes b)
+/* how many bytes are the same, over up to 255 vectors */
+typedef __m256i matches;
+#define b_no_matches()   _mm256_setzero_si256()
+#define b_match(m, a, b) _mm256_sub_epi8(m, _mm256_cmpeq_epi8(a, b))
+INLINE __m256i sums_of_two(matches a, matches b)
 {
-    return m + (uint32_t)__builtin_popcount((uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(a, b)));
+    const __m256i none = _mm256_setzero_si256(), first = _mm256_sad_epu8(a, none), second = _mm256_sad_epu8(b, none);
+    return _mm256_add_epi64(_mm256_unpacklo_epi64(first, second), _mm256_unpackhi_epi64(first, second));
 }
-#define b_matched(m) (m)
+INLINE void b_add_matched(const matches m[4], uint32_t weight, uint64_t bin[4])
+{
+    const __m256i low = sums_of_two(m[0], m[1]), high = sums_of_two(m[2], m[3]);
+    const __m256i sums =
+        _mm256_add_epi64(_mm256_permute2x128_si256(low, high, 0x20), _mm256_permute2x128_si256(low, high, 0x31));
+    const __m256i more = _mm256_mul_epu32(sums, _mm256_set1_epi64x(weight));
+    __m256i *to = (__m256i *)(void *)bin;
+    _mm256_storeu_si256(to, _mm256_add_epi64(_mm256_loadu_si256(to), more));
+}
 INLINE int w_any(v_words a)
 {
     return !_mm256_testz_si256(a, a);

@@ -66,36 +66,44 @@ static __attribute__((noinline)) void find_last_bins(const pupil_channels *light
     find_bins(&light_of_rest, &picture_of_rest, 0, c, i, to);
 }
 
-/* Pixels that are compared at once, and bins that they are compared with in turn. */
-enum { IN_PIECE = 64, VECTORS = IN_PIECE / IN_BYTES, IN_TURN = 8 };
+/* Pixels that are compared with bins in a turn of the loop. */
+enum { IN_PIECE = 64 };
 #if defined(__clang__)
-#define FOR_EACH_VECTOR(k) for (int k = 0; k < VECTORS; k++)
-#define FOR_EACH_TURN(k)   for (int k = 0; k < IN_TURN; k++)
+#define FOR_EACH_VECTOR(k) for (size_t k = 0; k < IN_PIECE; k += IN_BYTES)
 #else
-#define FOR_EACH_VECTOR(k) _Pragma("GCC unroll 4") for (int k = 0; k < VECTORS; k++)
-#define FOR_EACH_TURN(k)   _Pragma("GCC unroll 8") for (int k = 0; k < IN_TURN; k++)
+#define FOR_EACH_VECTOR(k) _Pragma("GCC unroll 4") for (size_t k = 0; k < IN_PIECE; k += IN_BYTES)
 #endif
 
-/* Each bin of a span, which is whole turns, is compared with the pixels of a piece. */
-INLINE void count_by_bins(const uint16_t *word, uint32_t least, uint32_t span, uint32_t weight, uint64_t *bin)
+/* Bins from `least` on, as bytes; returns how many, in whole pieces: the last ones are of no pixel, and no bin. */
+INLINE uint32_t find_codes(word_bins *of, uint32_t n, uint32_t least, uint8_t code[PUPIL_BLOCK])
 {
     const v_words from = w_all((int)least);
-    const v_bytes one = b_all(1);
-    v_bytes code[VECTORS], wanted = b_all(0);
-    FOR_EACH_VECTOR(k)
-    {
-        const uint8_t *at = (const uint8_t *)(word + k * IN_BYTES);
-        code[k] = w_to_bytes(w_sub(w_load(at), from), w_sub(w_load(at + IN_BYTES), from));
+    for (; n % IN_PIECE; n++)
+        of->word[n] = NO_BIN;
+    for (uint32_t i = 0; i < n; i += IN_BYTES) {
+        const uint8_t *at = (const uint8_t *)(of->word + i);
+        b_store(code + i, w_to_bytes(w_sub(w_load(at), from), w_sub(w_load(at + IN_BYTES), from)));
     }
-    for (uint64_t *end = bin + span; bin < end; bin += IN_TURN)
-        FOR_EACH_TURN(t)
-        {
-            matches found = b_no_matches();
-            FOR_EACH_VECTOR(k) found = b_match(found, code[k], wanted);
-            bin[t] += (uint64_t)weight * b_matched(found);
-            wanted = b_more(wanted, one);
-            PUPIL_ONE_BY_ONE;
-        }
+    return n;
+}
+
+/* Each bin of a span, which is a multiple of four, is compared with n codes. */
+INLINE void count_by_bins(const uint8_t *code, uint32_t n, uint32_t span, uint32_t weight, uint64_t *bin)
+{
+    v_bytes wanted[4];
+    FOR_FOUR(t) wanted[t] = b_all((uint32_t)t);
+    for (uint64_t *end = bin + span; bin < end; bin += 4) { /* four at once: each vector of codes is loaded once */
+        matches found[4];
+        FOR_FOUR(t) found[t] = b_no_matches();
+        for (const uint8_t *at = code; at < code + n; at += IN_PIECE)
+            FOR_EACH_VECTOR(k)
+            {
+                const v_bytes some = b_load(at + k);
+                FOR_FOUR(t) found[t] = b_match(found[t], some, wanted[t]);
+            }
+        b_add_matched(found, weight, bin);
+        FOR_FOUR(t) wanted[t] = b_more(wanted[t], b_all(4));
+    }
 }
 
 /* One by one, in turns from four quarters: pixels that are far apart are less often in the same bin. */
@@ -109,7 +117,7 @@ INLINE void count_by_pixels(const uint16_t *word, uint32_t n, uint32_t first, ui
         bin[word[i] - first] += weight;
 }
 
-enum { MOST_TURNS = 6 };
+enum { MOST_SPAN = 48 };
 
 INLINE uint32_t most_of(v_words a)
 {
@@ -119,13 +127,12 @@ INLINE uint32_t most_of(v_words a)
 /* `first` is in bin 0 of `bins`. */
 INLINE void count_bins(word_bins *of, uint32_t n, uint32_t first, uint32_t bins, uint32_t weight, uint64_t *bin)
 {
-    const uint32_t lowest = w_least(of->least), turns = (most_of(of->most) - lowest) / IN_TURN + 1;
-    if (turns <= MOST_TURNS) {
-        const uint32_t span = turns * IN_TURN, last = first + bins - span, least = lowest < last ? lowest : last;
-        for (uint32_t i = n; i % IN_PIECE; i++)
-            of->word[i] = NO_BIN;
-        for (uint32_t i = 0; i < n; i += IN_PIECE)
-            count_by_bins(of->word + i, least, span, weight, bin + (least - first));
+    const uint32_t lowest = w_least(of->least), span = (most_of(of->most) - lowest) / 4 * 4 + 4;
+    if (span <= MOST_SPAN) {
+        const uint32_t last = first + bins - span, least = lowest < last ? lowest : last;
+        uint8_t code[PUPIL_BLOCK];
+        n = find_codes(of, n, least, code);
+        count_by_bins(code, n, span, weight, bin + (least - first));
     } else {
         count_by_pixels(of->word, n, first, weight, bin);
     }
