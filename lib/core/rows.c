@@ -146,23 +146,33 @@ static int is_metered(const work *w, uint32_t unit_row)
     return unit_row % n == (uint32_t)(z >> 32) % rows;
 }
 
+/* How many rows a row represents (0: it is not counted), which pixel of each group of columns it does so with, and the
+ * next row that may be counted. */
+typedef struct counted {
+    uint32_t rows, first, next;
+} counted;
+
 /* As is_metered, for config.histogram_step, but independent of the frame's number. Groups start over in each row of the
  * metering grid, so that the rows of a group have the same weights, and the bins' sum is that of all weights. One of
  * each n rows is counted and, in it, one of each `columns` pixels. */
-static void find_counted(const work *w, uint32_t unit_row, uint32_t n, uint32_t columns, pupil_row *row)
+static counted counted_of(const work *w, uint32_t unit_row, uint32_t n, uint32_t columns)
 {
     const uint32_t units = w->frame_height / w->in_unit;
-    row->bins_rows = 1;
+    counted c = {.rows = 1, .next = unit_row + 1};
     if (n <= 1)
-        return;
+        return c;
     const uint32_t cell = pupil_grid_cell_of(unit_row, units), first = pupil_grid_first_in_cell(cell, units);
     const uint32_t next = cell + 1 < PUPIL_GRID_SIDE ? pupil_grid_first_in_cell(cell + 1, units) : units;
     const uint32_t group = first + (unit_row - first) / n * n;
     const uint32_t rows = next - group < n ? next - group : n;
     const uint64_t z = mixed((uint64_t)group * UINT64_C(0xd1b54a32d192ed03));
-    row->bins_first = (uint32_t)(z >> 48) % columns;
-    if (w->object->config.meter_rows <= 1)
-        row->bins_rows = unit_row - group == (uint32_t)(z >> 32 & 0xffff) % rows ? rows : 0;
+    c.first = (uint32_t)(z >> 48) % columns;
+    if (w->object->config.meter_rows <= 1) {
+        const uint32_t chosen = group + (uint32_t)(z >> 32 & 0xffff) % rows;
+        c.rows = unit_row == chosen ? rows : 0;
+        c.next = unit_row < chosen ? chosen : group + rows;
+    }
+    return c;
 }
 
 static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *band)
@@ -172,39 +182,44 @@ static const uint8_t *weights_of(const work *w, uint32_t unit_row, uint32_t *ban
     return w->object->config.weight[pupil_grid_cell_of(unit_row, units)];
 }
 
-static void meter_unit(const work *w, uint32_t i)
+/* Meters row i, or the quads that begin there, if they are to be metered; returns the next row that may be. */
+static uint32_t meter_unit(const work *w, uint32_t i)
 {
-    const uint32_t unit_row = (w->first_row + i) / w->in_unit;
-    uint32_t band;
+    const uint32_t unit_row = (w->first_row + i) / w->in_unit, sample = w->meter.sample;
+    counted c = {0};
     if (!is_metered(w, unit_row))
-        return;
-    const uint8_t *weight = weights_of(w, unit_row, &band);
-    pupil_row row = row_of(w, i);
-    if (w->meter.sample > 1) {
-        find_counted(w, unit_row, w->meter.sample, w->meter.sample, &row);
-        if (!row.bins_rows)
-            return;
-    } else if (w->meter.histogram) {
-        find_counted(w, unit_row, w->histogram_step, w->meter.histogram, &row);
+        return i + w->in_unit;
+    if (sample > 1)
+        c = counted_of(w, unit_row, sample, sample);
+    else if (w->meter.histogram)
+        c = counted_of(w, unit_row, w->histogram_step, w->meter.histogram);
+    if (sample <= 1 || c.rows) {
+        uint32_t band;
+        const uint8_t *weight = weights_of(w, unit_row, &band);
+        pupil_row row = row_of(w, i);
+        row.bins_rows = c.rows;
+        row.bins_first = c.first;
+        work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
     }
-    work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
+    return sample > 1 ? i + (c.next - unit_row) : i + w->in_unit;
 }
 
-/* Meters row i and, if a row of pixels becomes a row of pixels, maps it in the same pass. */
+/* Meters row i, unless that is done apart for some of its pixels, and, if a row of pixels becomes a row of pixels, maps
+ * it in the same pass. */
 static void work_plain_row(const work *w, uint32_t i)
 {
     static const uint8_t even[PUPIL_GRID_SIDE] = {0};
     pupil_row row = row_of(w, i);
     const uint8_t *weight = even;
     uint32_t band = 0;
-    const int apart = w->stats && w->meter.sample > 1;
-    pupil_stats *stats = w->stats && !apart && is_metered(w, w->first_row + i) ? w->stats : 0;
-    if (apart)
-        meter_unit(w, i);
+    pupil_stats *stats = w->stats && w->meter.sample <= 1 && is_metered(w, w->first_row + i) ? w->stats : 0;
     if (stats)
         weight = weights_of(w, w->first_row + i, &band);
-    if (stats && w->map.histogram)
-        find_counted(w, w->first_row + i, w->histogram_step, w->map.histogram, &row);
+    if (stats && w->map.histogram) {
+        const counted c = counted_of(w, w->first_row + i, w->histogram_step, w->map.histogram);
+        row.bins_rows = c.rows;
+        row.bins_first = c.first;
+    }
     if (stats || w->out)
         work_row(&w->map, weight, &row, w->out ? out_row(w, i) : 0, w->in->width, band, stats);
 }
@@ -259,10 +274,11 @@ static void map_rows(const work *w, const pupil_luma_tables *tables, uint32_t i,
 static __attribute__((noinline)) void work_in_fours(const work *w, const pupil_luma_tables *tables)
 {
     const uint32_t halved = w->map.way == PUPIL_WAY_BINNED ? 2 : 1;
+    uint32_t metered = 0;
     for (uint32_t i = 0; i < w->in->height; i += 4) {
         const uint32_t end = w->in->height - i < 4 ? w->in->height : i + 4;
-        for (uint32_t j = i; w->stats && j < end; j += w->in_unit)
-            meter_unit(w, j);
+        while (w->stats && metered < end)
+            metered = meter_unit(w, metered);
         if (w->out)
             map_rows(w, tables, i / halved, end / halved);
     }
@@ -290,8 +306,14 @@ static __attribute__((noinline)) void work_by_luma(const work *w)
 
 static __attribute__((noinline)) void work_plain_rows(const work *w)
 {
-    for (uint32_t i = 0; i < w->in->height; i++)
-        work_plain_row(w, i);
+    const int apart = w->stats && w->meter.sample > 1;
+    uint32_t metered = 0;
+    for (uint32_t i = 0; i < w->in->height; i++) {
+        if (apart && i == metered)
+            metered = meter_unit(w, i);
+        if (w->out || !apart)
+            work_plain_row(w, i);
+    }
 }
 
 static void count_rows(const work *w)

@@ -9,42 +9,36 @@ typedef struct picked {
     uint8_t luma[PUPIL_BLOCK * 2], chroma[PUPIL_BLOCK], cr[PUPIL_BLOCK / 2];
 } picked;
 
-/* One byte of every `step`-th pair, `count` in all; below, two bytes, and four. */
-static void pick(const uint8_t *restrict from, size_t step, uint32_t count, uint8_t *restrict to)
+/* What `count` pairs have in a plane, or packed: so many bytes of every `step`-th one. `bytes` is a constant in each
+ * call. */
+static inline __attribute__((always_inline)) void pick(const uint8_t *restrict from, size_t bytes, size_t step,
+                                                       uint32_t count, uint8_t *restrict to)
 {
-    for (uint32_t i = 0; i < count; i++)
-        to[i] = from[step * i];
-}
-
-static void pick_twos(const uint8_t *restrict from, size_t step, uint32_t count, uint8_t *restrict to)
-{
-    for (uint32_t i = 0; i < count; i++)
-        __builtin_memcpy(to + 2 * (size_t)i, from + 2 * step * i, 2);
-}
-
-static void pick_fours(const uint8_t *restrict from, size_t step, uint32_t count, uint8_t *restrict to)
-{
-    for (uint32_t i = 0; i < count; i++)
-        __builtin_memcpy(to + 4 * (size_t)i, from + 4 * step * i, 4);
+    step *= bytes;
+    for (; count >= 4; count -= 4, from += 4 * step, to += 4 * bytes)
+        for (size_t k = 0; k < 4; k++)
+            __builtin_memcpy(to + k * bytes, from + k * step, bytes);
+    for (; count; count--, from += step, to += bytes)
+        __builtin_memcpy(to, from, bytes);
 }
 
 static void pick_pairs(const pupil_row_job *job, const pupil_row *row, uint32_t pair, uint32_t count, picked *p)
 {
     const size_t step = job->sample;
     if (job->in_pixel == PUPIL_PIXEL_YUYV || job->in_pixel == PUPIL_PIXEL_UYVY) {
-        pick_fours(row->data + 4 * (size_t)pair, step, count, p->luma);
+        pick(row->data + 4 * (size_t)pair, 4, step, count, p->luma);
         return;
     }
     const uint32_t last = pair + (count - 1) * job->sample;
     const int is_alone = 2 * last + 1 >= row->width; /* a last column alone is taken twice */
-    pick_twos(row->data + 2 * (size_t)pair, step, count - (uint32_t)is_alone, p->luma);
+    pick(row->data + 2 * (size_t)pair, 2, step, count - (uint32_t)is_alone, p->luma);
     if (is_alone)
         p->luma[2 * count - 2] = p->luma[2 * count - 1] = row->data[2 * (size_t)last];
     if (row->cr) {
-        pick(row->chroma + pair, step, count, p->chroma);
-        pick(row->cr + pair, step, count, p->cr);
+        pick(row->chroma + pair, 1, step, count, p->chroma);
+        pick(row->cr + pair, 1, step, count, p->cr);
     } else {
-        pick_twos(row->chroma + 2 * (size_t)pair, step, count, p->chroma);
+        pick(row->chroma + 2 * (size_t)pair, 2, step, count, p->chroma);
     }
 }
 
