@@ -3,7 +3,7 @@
 #define PUPIL_KERNELS_AVX2_LUMA_H
 
 #include "avx2.h"
-#include "kernels.h"
+#include "by_luma.h"
 
 #define QUADS 16
 typedef __m256i v_bytes;
@@ -102,7 +102,6 @@ typedef struct luma_entries {
 } luma_entries;
 
 /* Sixteens of codes, from first to last: in a part of a picture, codes are often near each other. */
-#define LEVEL_HAS_LUMA_SPANS
 typedef struct luma_span {
     uint32_t first, last;
 } luma_span;
@@ -162,75 +161,106 @@ static __attribute__((noinline)) void look_up_128(const luma_entries *e, luma_sp
     FOR_FOUR(j) b_store(to + 32 * (size_t)j, found[j]);
 }
 
-/* The new codes of both rows, 2 n bytes each (lower NULL: of one row), and the spans of their halves. n is a multiple
- * of 32; if it is none of 64, the last 64 overlap those before. */
+#if defined(__clang__)
+#define FOR_TWO(j) for (size_t j = 0; j < 2; j++)
+#else
+#define FOR_TWO(j) _Pragma("GCC unroll 2") for (size_t j = 0; j < 2; j++)
+#endif
+
+/* An eighth of the sums of 16 quads' codes, which are the ratios' indices. */
+INLINE __m256i indices_of(const uint8_t *upper, const uint8_t *lower)
+{
+    return w_right(w_add(b_sums(b_load(upper)), b_sums(b_load(lower))), 3);
+}
+
+/* The ratios of 64 quads. The steps from sixteen to sixteen are made here: there are few. */
+static __attribute__((noinline)) void look_up_64_ratios(const pupil_luma_tables *t, luma_span span,
+                                                        const uint8_t *upper, const uint8_t *lower, int16_t *ratio)
+{
+    const __m256i step = b_all(16), start = b_all(16 * span.first);
+    __m256i low_last = sixteen_of(t->ratio_low, span.first), high_last = sixteen_of(t->ratio_high, span.first);
+    __m256i at[2], low[2], high[2];
+    FOR_TWO(j)
+    {
+        const __m256i first = indices_of(upper + 64 * j, lower + 64 * j);
+        const __m256i second = indices_of(upper + 64 * j + 32, lower + 64 * j + 32);
+        at[j] = _mm256_sub_epi8(_mm256_packus_epi16(first, second), start);
+        low[j] = _mm256_shuffle_epi8(low_last, at[j]);
+        high[j] = _mm256_shuffle_epi8(high_last, at[j]);
+    }
+    FOR_SPAN(k, span)
+    {
+        const __m256i low_next = sixteen_of(t->ratio_low, k), high_next = sixteen_of(t->ratio_high, k);
+        const __m256i low_step = _mm256_xor_si256(low_last, low_next);
+        const __m256i high_step = _mm256_xor_si256(high_last, high_next);
+        FOR_TWO(j)
+        {
+            at[j] = _mm256_subs_epi8(at[j], step);
+            low[j] = _mm256_xor_si256(low[j], _mm256_shuffle_epi8(low_step, at[j]));
+            high[j] = _mm256_xor_si256(high[j], _mm256_shuffle_epi8(high_step, at[j]));
+        }
+        low_last = low_next;
+        high_last = high_next;
+    }
+    FOR_TWO(j)
+    {
+        uint8_t *to = (uint8_t *)(ratio + 32 * j);
+        b_store(to, _mm256_unpacklo_epi8(low[j], high[j]));
+        b_store(to + 32, _mm256_unpackhi_epi8(low[j], high[j]));
+    }
+}
+
+/* Found together with the codes: spans are the same. */
+#define LEVEL_HAS_LUMA_ROWS
+typedef struct luma_ratios {
+    int16_t word[PUPIL_LUMA_QUADS];
+} luma_ratios;
+
+INLINE void ratios_at(const luma_ratios *r, const pupil_luma_quads *in, size_t i, v_words ratio[2])
+{
+    (void)in;
+    ratio[0] = w_load((const uint8_t *)(r->word + i));
+    ratio[1] = w_load((const uint8_t *)(r->word + i + QUADS));
+}
+
+/* The new codes of both rows, 2 n bytes each (lower NULL: of one row), and the quads' ratios. n is a multiple of 32; if
+ * it is none of 64, the last 64 overlap those before. All spans are found first: how often the loops that follow turn
+ * is then known in time, and is less often guessed wrongly, and sooner noticed. */
 static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n, uint8_t *upper,
-                      uint8_t *lower, luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART])
+                      uint8_t *lower, luma_ratios *r)
 {
     const luma_entries e = {t->luma, t->luma_steps};
     const uint8_t *in_lower = in->lower ? in->lower : in->upper;
+    luma_span spans[PUPIL_LUMA_QUADS / 64];
     if (n < 64) {
-        spans[0] = (luma_span){0, 7};
-        for (uint32_t i = 0; i < 2 * n; i++)
-            upper[i] = t->luma[in->upper[i]];
-        for (uint32_t i = 0; i < 2 * n && lower; i++)
-            lower[i] = t->luma[in->lower[i]];
+        bytes_by_table(t->luma, in->upper, 0, 2 * n, upper);
+        if (lower)
+            bytes_by_table(t->luma, in->lower, 0, 2 * n, lower);
+        find_means(in->upper, in_lower, n, r->word);
+        look_up_ratios(t, n, r->word);
         return;
     }
     for (uint32_t i = 0; i < n; i += 64) {
         const size_t at = 2 * (size_t)(n - i < 64 ? n - 64 : i);
-        const luma_span span = span_of(in->upper + at, in_lower + at);
+        spans[i / 64] = span_of(in->upper + at, in_lower + at);
+    }
+    for (uint32_t i = 0; i < n; i += 64) {
+        const size_t quad = n - i < 64 ? n - 64 : i, at = 2 * quad;
+        const luma_span span = spans[i / 64], half = {span.first / 2, span.last / 2};
         look_up_128(&e, span, in->upper + at, upper + at);
         if (lower)
             look_up_128(&e, span, in->lower + at, lower + at);
-        spans[i / PUPIL_LUMA_PART] = (luma_span){span.first / 2, span.last / 2};
+        look_up_64_ratios(t, half, in->upper + at, in_lower + at, r->word + quad);
     }
-}
-
-typedef struct ratio_tables {
-    const uint8_t *low, *high; /* entries, and, exclusive-ored with the sixteen before: */
-    __m256i low_steps[8], high_steps[8];
-} ratio_tables;
-
-INLINE void steps_of(const uint8_t table[128], __m256i steps[8])
-{
-    for (size_t k = 1; k < 8; k++)
-        steps[k] = _mm256_xor_si256(sixteen_of(table, k), sixteen_of(table, k - 1));
-}
-
-INLINE void ratio_tables_of(const pupil_luma_tables *t, ratio_tables *r)
-{
-    r->low = t->ratio_low;
-    r->high = t->ratio_high;
-    steps_of(t->ratio_low, r->low_steps);
-    steps_of(t->ratio_high, r->high_steps);
-}
-
-/* Of words in a span of luma_rows. */
-INLINE void w_look_up(const ratio_tables *r, luma_span span, v_words first, v_words second, v_words ratio[2])
-{
-    const __m256i step = b_all(16);
-    __m256i at = _mm256_sub_epi8(_mm256_packus_epi16(first, second), b_all(16 * span.first));
-    __m256i low = _mm256_shuffle_epi8(sixteen_of(r->low, span.first), at);
-    __m256i high = _mm256_shuffle_epi8(sixteen_of(r->high, span.first), at);
-    FOR_SPAN(k, span)
-    {
-        at = _mm256_subs_epi8(at, step);
-        low = _mm256_xor_si256(low, _mm256_shuffle_epi8(r->low_steps[k], at));
-        high = _mm256_xor_si256(high, _mm256_shuffle_epi8(r->high_steps[k], at));
-    }
-    ratio[0] = _mm256_unpacklo_epi8(low, high);
-    ratio[1] = _mm256_unpackhi_epi8(low, high);
 }
 
 /* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
-    const __m256i half = _mm256_set1_epi16(8);
+    const __m256i sixteenth = _mm256_set1_epi16(0x8000 / 16);
     const __m256i turns =
         _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15));
-    const __m256i packed = _mm256_packs_epi16(_mm256_srai_epi16(_mm256_add_epi16(u, half), 4),
-                                              _mm256_srai_epi16(_mm256_add_epi16(v, half), 4));
+    const __m256i packed = _mm256_packs_epi16(w_times(u, sixteenth), w_times(v, sixteenth));
     return _mm256_xor_si256(_mm256_shuffle_epi8(packed, turns), _mm256_set1_epi8(-128));
 }
 

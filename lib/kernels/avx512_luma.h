@@ -142,10 +142,9 @@ INLINE void w_look_up(const ratio_tables *r, v_words first, v_words second, v_wo
 /* Scaled Cb and Cr as codes, interleaved. */
 INLINE v_bytes w_to_pairs(v_words u, v_words v)
 {
-    const __m512i half = _mm512_set1_epi16(8);
+    const __m512i sixteenth = _mm512_set1_epi16(0x8000 / 16);
     const __m512i turns = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15));
-    const __m512i packed = _mm512_packs_epi16(_mm512_srai_epi16(_mm512_add_epi16(u, half), 4),
-                                              _mm512_srai_epi16(_mm512_add_epi16(v, half), 4));
+    const __m512i packed = _mm512_packs_epi16(w_times(u, sixteenth), w_times(v, sixteenth));
     return _mm512_xor_si512(_mm512_shuffle_epi8(packed, turns), _mm512_set1_epi8(-128));
 }
 

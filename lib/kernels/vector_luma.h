@@ -7,7 +7,7 @@
 
 /* Constants, in every word. */
 typedef struct luma_words {
-    v_words low, sign, red_v, blue_u, green_u, green_v, surface, surface_slope, far, far_slope, noise;
+    v_words low, grey, red_v, blue_u, green_u, green_v, surface, surface_slope, far, far_slope, noise;
 } luma_words;
 
 typedef struct scaled_words {
@@ -17,7 +17,7 @@ typedef struct scaled_words {
 INLINE luma_words luma_words_of(const pupil_luma_tables *t)
 {
     return (luma_words){.low = w_all(0xff),
-                        .sign = w_all(-0x8000),
+                        .grey = w_all(-0x7f80),
                         .red_v = w_all(t->red_v),
                         .blue_u = w_all(t->blue_u),
                         .green_u = w_all(t->green_u),
@@ -29,18 +29,13 @@ INLINE luma_words luma_words_of(const pupil_luma_tables *t)
                         .noise = w_all(PUPIL_LUMA_NOISE)};
 }
 
-/* The index of the ratio, for the quads in two vectors of pixels: an eighth of four pixels' sum. */
-INLINE v_words mean_of(v_bytes upper, v_bytes lower)
-{
-    return w_right(w_add(b_sums(upper), b_sums(lower)), 3);
-}
-
 /* Interleaved Cb and Cr, times the ratio. */
 INLINE scaled_words scaled_by(const luma_words *c, v_words pairs, v_words ratio)
 {
     scaled_words s;
-    s.u = w_times(w_xor(w_left(pairs, 8), c->sign), ratio);
-    s.v = w_times(w_xor(w_minus_and(pairs, c->low), c->sign), ratio);
+    pairs = w_xor(pairs, c->grey); /* less 128 */
+    s.u = w_times(w_left(pairs, 8), ratio);
+    s.v = w_times(w_minus_and(pairs, c->low), ratio);
     s.red = w_times(s.v, c->red_v);
     s.blue = w_times(s.u, c->blue_u);
     s.green = w_add(w_times(s.u, c->green_u), w_times(s.v, c->green_v));
@@ -58,23 +53,33 @@ INLINE v_words is_beyond(const luma_words *c, const scaled_words *s, v_bytes upp
     return w_greater(w_max(w_max(s->red, s->blue), s->green), w_min(surface, far));
 }
 
-#ifndef LEVEL_HAS_LUMA_SPANS
-/* Only avx2_luma.h finds the span of codes of each part: then fewer of its look-ups are needed. */
-typedef struct luma_span {
-    uint8_t none;
-} luma_span;
-#define w_look_up(r, span, first, second, ratio) ((void)(span), w_look_up(r, first, second, ratio))
+#ifndef LEVEL_HAS_LUMA_ROWS
+typedef ratio_tables luma_ratios;
 
-/* The new codes of both rows, 2 n bytes each. */
+/* The index of the ratio, for the quads in two vectors of pixels: an eighth of four pixels' sum. */
+INLINE v_words mean_of(v_bytes upper, v_bytes lower)
+{
+    return w_right(w_add(b_sums(upper), b_sums(lower)), 3);
+}
+
+/* Of two vectors of quads, from i on. */
+INLINE void ratios_at(const luma_ratios *r, const pupil_luma_quads *in, size_t i, v_words ratio[2])
+{
+    const v_words first = mean_of(b_load(in->upper + 2 * i), b_load(in->lower + 2 * i));
+    const v_words second = mean_of(b_load(in->upper + 2 * i + 2 * QUADS), b_load(in->lower + 2 * i + 2 * QUADS));
+    w_look_up(r, first, second, ratio);
+}
+
+/* The new codes of both rows, 2 n bytes each; and what ratios_at needs. */
 static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n, uint8_t *upper,
-                      uint8_t *lower, luma_span *spans)
+                      uint8_t *lower, luma_ratios *r)
 {
     luma_entries e;
-    (void)spans;
     luma_entries_of(t, &e);
     luma_by_table(&e, t->luma, in->upper, 2 * n, upper);
     if (lower)
         luma_by_table(&e, t->luma, in->lower, 2 * n, lower);
+    ratio_tables_of(t, r);
 }
 #endif
 
@@ -84,17 +89,15 @@ typedef struct luma_step {
     v_words beyond[2];
 } luma_step;
 
-INLINE luma_step step_of(const luma_words *c, const ratio_tables *ratios, const luma_span *spans,
-                         const pupil_luma_quads *in, const uint8_t *upper, const uint8_t *lower, size_t i)
+INLINE luma_step step_of(const luma_words *c, const luma_ratios *ratios, const pupil_luma_quads *in,
+                         const uint8_t *upper, const uint8_t *lower, size_t i)
 {
     luma_step step;
-    const v_words first = mean_of(b_load(in->upper + 2 * i), b_load(in->lower + 2 * i));
-    const v_words second = mean_of(b_load(in->upper + 2 * i + 2 * QUADS), b_load(in->lower + 2 * i + 2 * QUADS));
     v_words ratio[2];
     fetch(in->upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
     fetch(in->lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
     fetch(in->chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
-    w_look_up(ratios, spans[i / PUPIL_LUMA_PART], first, second, ratio);
+    ratios_at(ratios, in, i, ratio);
     for (size_t k = 0; k < 2; k++) {
         const size_t at = 2 * (i + k * QUADS);
         step.s[k] = scaled_by(c, w_load(in->chroma + at), ratio[k]);
@@ -113,17 +116,15 @@ static uint32_t yuv_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
                             const pupil_luma_target *out, uint16_t *exact)
 {
     const luma_words c = luma_words_of(t);
-    ratio_tables ratios;
-    luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART];
+    luma_ratios ratios;
     const uint32_t whole = n / (2 * QUADS) * (2 * QUADS);
     uint32_t parts = 0;
     const pupil_luma_quads rows = both_rows(in); /* and `to`: copies, which no store can change */
     const pupil_luma_target to = {out->upper, out->lower ? out->lower : out->upper, out->chroma, 0};
     if (whole)
-        luma_rows(t, in, whole, out->upper, out->lower, spans);
-    ratio_tables_of(t, &ratios);
+        luma_rows(t, in, whole, out->upper, out->lower, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
-        const luma_step step = step_of(&c, &ratios, spans, &rows, to.upper, to.lower, i);
+        const luma_step step = step_of(&c, &ratios, &rows, to.upper, to.lower, i);
         fetch(to.upper + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
         fetch(to.lower + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
         fetch(to.chroma + 2 * i, 4 * QUADS, FETCH_AHEAD_BYTES);
@@ -169,16 +170,14 @@ static uint32_t rgb_by_luma(const pupil_luma_tables *t, const pupil_luma_quads *
 {
     const luma_words c = luma_words_of(t);
     uint8_t grey[2][2 * PUPIL_LUMA_QUADS];
-    ratio_tables ratios;
-    luma_span spans[PUPIL_LUMA_QUADS / PUPIL_LUMA_PART];
+    luma_ratios ratios;
     const uint32_t whole = n / (2 * QUADS) * (2 * QUADS);
     uint32_t parts = 0;
     const pupil_luma_quads rows = both_rows(in);
     if (whole)
-        luma_rows(t, in, whole, grey[0], in->lower ? grey[1] : 0, spans);
-    ratio_tables_of(t, &ratios);
+        luma_rows(t, in, whole, grey[0], in->lower ? grey[1] : 0, &ratios);
     for (size_t i = 0; i < whole; i += 2 * QUADS) {
-        const luma_step step = step_of(&c, &ratios, spans, &rows, grey[0], grey[in->lower ? 1 : 0], i);
+        const luma_step step = step_of(&c, &ratios, &rows, grey[0], grey[in->lower ? 1 : 0], i);
         fetch(out->upper + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
         if (in->lower)
             fetch(out->lower + 8 * i, 16 * QUADS, FETCH_AHEAD_BYTES);
