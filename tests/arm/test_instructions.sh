@@ -1,13 +1,15 @@
 #!/bin/sh
-# test_instructions.sh [ceilings]: how many instructions 64-bit ARM executes per pixel, counted in qemu: the same on
+# test_instructions.sh [ceilings|LIBRARY]: how many instructions 64-bit ARM executes per pixel, counted in qemu: the same on
 # every machine. Each number has a ceiling in ceilings.txt, and a call without options costs what its kernels cost. With
-# "ceilings" it prints ceilings 3 % above the counts.
+# "ceilings" it prints ceilings 3 % above the counts. LIBRARY: see build.sh.
 set -eu
 cd "$(dirname "$0")"
 . ./build.sh
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-arm_build "$work"
+library=${1:-}
+[ "$library" != ceilings ] || library=
+arm_build "$work" "$library"
 arm_count "$work" kernels >"$work/kernels"
 arm_count "$work" plain >"$work/plain"
 
