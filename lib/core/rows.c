@@ -201,7 +201,7 @@ static uint32_t meter_unit(const work *w, uint32_t i)
         row.bins_first = c.first;
         work_row(&w->meter, weight, &row, 0, w->in->width / w->in_unit, band, w->stats);
     }
-    return sample > 1 ? i + (c.next - unit_row) : i + w->in_unit;
+    return sample > 1 ? i + (c.next - unit_row) * w->in_unit : i + w->in_unit;
 }
 
 /* Meters row i, unless that is done apart for some of its pixels, and, if a row of pixels becomes a row of pixels, maps
