@@ -130,12 +130,12 @@ static void same_bits(void)
             }
 }
 
-/* Any split into pairs of rows, mapped and metered. */
-static void any_split(void)
+/* Any split into pairs of rows, mapped and metered; an output that is mapped exactly is metered as one by luma. */
+static void any_split(uint32_t out_pixel)
 {
     const pupil_t pupil = begin(PUPIL_ACCURACY_LUMA, PUPIL_LEVEL_SCALAR);
-    frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0), to = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
-    frame parts = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0);
+    frame f = frame_make(640, 480, PUPIL_PIXEL_NV12, 0, 0), to = frame_make(640, 480, out_pixel, 0, 0);
+    frame parts = frame_make(640, 480, out_pixel, 0, 0);
     const pupil_curve curve = curve_of(1.5f);
     const pupil_image out = frame_writable(&to), out_parts = frame_writable(&parts);
     pupil_stats whole, sum, part;
@@ -144,6 +144,9 @@ static void any_split(void)
     pupil_stats_clear(&sum);
     CHECK(pupil_fused_rows(&pupil, &curve, &f.image, 0, 480, &out, &whole) == PUPIL_OK);
     CHECK(whole.pixels >= 640 * 480 / 16 && whole.pixels <= 640 * 480 / 14 && whole.has_histogram);
+    CHECK(pupil_meter_rows(&pupil, &f.image, 0, 480, &sum) == PUPIL_OK && memcmp(&sum, &whole, sizeof sum) == 0);
+    CHECK(pupil_map_rows(&pupil, &curve, &f.image, &out_parts) == PUPIL_OK && frame_equal(&to, &parts));
+    pupil_stats_clear(&sum);
     for (uint32_t y = 480; y > 0;) {
         uint32_t rows = 2 * (1 + (uint32_t)(check_random() % 20));
         rows = rows < y ? rows : y;
@@ -479,7 +482,8 @@ int main(int argc, char **argv)
 {
     check_begin(argc, argv);
     same_bits();
-    any_split();
+    any_split(PUPIL_PIXEL_NV12);
+    any_split(PUPIL_PIXEL_RGB8);
     one_picture(646, 24);
     one_picture(13, 90); /* narrower than one sample of it, or not a whole number of them */
     one_picture(3, 400);
