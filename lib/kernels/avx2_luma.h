@@ -68,6 +68,7 @@ INLINE __m256i sums_of_two(matches a, matches b)
     const __m256i none = _mm256_setzero_si256(), first = _mm256_sad_epu8(a, none), second = _mm256_sad_epu8(b, none);
     return _mm256_add_epi64(_mm256_unpacklo_epi64(first, second), _mm256_unpackhi_epi64(first, second));
 }
+#define LEVEL_HAS_ADD_MATCHED
 INLINE void b_add_matched(const matches m[4], uint32_t weight, uint64_t bin[4])
 {
     const __m256i low = sums_of_two(m[0], m[1]), high = sums_of_two(m[2], m[3]);
@@ -224,8 +225,8 @@ INLINE void ratios_at(const luma_ratios *r, const pupil_luma_quads *in, size_t i
 }
 
 /* The new codes of both rows, 2 n bytes each (lower NULL: of one row), and the quads' ratios. n is a multiple of 32; if
- * it is none of 64, the last 64 overlap those before. All spans are found first: how often the loops that follow turn
- * is then known in time, and is less often guessed wrongly, and sooner noticed. */
+ * it is none of 64, the last 64 overlap those before. All spans are found first, so the lengths of the loops that
+ * follow are known early: fewer branches are mispredicted, and those cost less. */
 static void luma_rows(const pupil_luma_tables *t, const pupil_luma_quads *in, uint32_t n, uint8_t *upper,
                       uint8_t *lower, luma_ratios *r)
 {

@@ -58,10 +58,7 @@ INLINE v_words w_all(int x)
 typedef uint8x16_t matches;
 #define b_no_matches()   vdupq_n_u8(0)
 #define b_match(m, a, b) vsubq_u8(m, vceqq_u8(a, b))
-INLINE void b_add_matched(const matches m[4], uint32_t weight, uint64_t bin[4])
-{
-    FOR_FOUR(t) bin[t] += (uint64_t)weight * vaddlvq_u8(m[t]);
-}
+#define b_matched(m)     ((uint32_t)vaddlvq_u8(m))
 INLINE int w_any(v_words a)
 {
     return vmaxvq_u16(UNSIGNED(a)) != 0;

@@ -87,6 +87,13 @@ INLINE uint32_t find_codes(word_bins *of, uint32_t n, uint32_t least, uint8_t co
     return n;
 }
 
+#ifndef LEVEL_HAS_ADD_MATCHED
+INLINE void b_add_matched(const matches m[4], uint32_t weight, uint64_t bin[4])
+{
+    FOR_FOUR(t) bin[t] += (uint64_t)weight * b_matched(m[t]);
+}
+#endif
+
 /* Each bin of a span, which is a multiple of four, is compared with n codes. */
 INLINE void count_by_bins(const uint8_t *code, uint32_t n, uint32_t span, uint32_t weight, uint64_t *bin)
 {

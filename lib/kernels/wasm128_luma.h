@@ -58,11 +58,8 @@ INLINE uint32_t w_least(v_words a)
 typedef uint32_t matches;
 #define b_no_matches()   0
 #define b_match(m, a, b) ((m) + (uint32_t)__builtin_popcount(wasm_i8x16_bitmask(wasm_i8x16_eq(a, b))))
-INLINE void b_add_matched(const matches m[4], uint32_t weight, uint64_t bin[4])
-{
-    FOR_FOUR(t) bin[t] += (uint64_t)weight * m[t];
-}
-#define w_any(a) ((int)wasm_v128_any_true(a))
+#define b_matched(m)     (m)
+#define w_any(a)         ((int)wasm_v128_any_true(a))
 
 /* A shuffle looks up 16 entries; an index of 16 or more gives 0. */
 INLINE v_bytes b_look_up(const uint8_t *table, uint32_t count, v_bytes at)
