@@ -139,7 +139,7 @@ static int are_stuck(const pupil_sensor_object *o)
     return 0;
 }
 
-/* The first metadata: what was paid for guess 0 before was not theirs. */
+/* The first metadata: guess 0 begins with its prior cost. Until now it was not about metadata. */
 static void begin_metadata(pupil_sensor_object *o)
 {
     sensor_estimate *a = &o->estimate;
@@ -165,7 +165,7 @@ static void read_metadata(pupil_sensor_object *o, const pupil_frame_info *info)
     }
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         a->said_before[c] = a->said[c];
-        if (a->reports && !a->reports_before) /* the frame before: by the best guess after it */
+        if (a->reports && !a->reports_before) /* the frame before had none */
             a->reported[c] = a->in_force[c];
         if (a->reports) {
             a->said[c] = now[c];
@@ -425,8 +425,8 @@ static __attribute__((noinline)) uint32_t delay_of(const pupil_sensor_object *o,
 }
 
 /* Counts frames, lost ones too: what was asked for after the frame before holds for all that were lost. A program that
- * loses frames before each one it gets is slower than the camera. Its frames have waited in a full queue, always for
- * the same number of those that it gets: lost ones are not counted. */
+ * loses frames before each one it gets is slower than the camera, and its queue is full. Then the delay is constant in
+ * delivered frames, so lost ones are not counted. */
 static void count_frames(sensor_estimate *a, const pupil_frame_info *info)
 {
     const uint64_t sequence = info ? info->sequence : 0, ahead = sequence - a->sequence;

@@ -78,7 +78,7 @@ void pupil_sensor_report(pupil_sensor_object *o, const sensor_evidence *v)
     const pupil_sensor_config *c = &o->config;
     const int is_manual = c->exposure_mode != PUPIL_SENSOR_AUTO && c->gain_mode != PUPIL_SENSOR_AUTO;
     const int is_within = size_of(o->plan.beyond) <= SENSOR_SETTLED_EV;
-    if (s->changed) /* this write counts, whatever is reported */
+    if (s->changed) /* the time since the last write begins again in any state */
         o->rewrite_s = 0.0;
     if (o->plan.slow == PUPIL_SENSOR_FLASH && !is_manual) { /* the state remains; but what is shown is off */
         s->reason = PUPIL_SENSOR_FLASH;

@@ -1,6 +1,6 @@
-# build.sh: for test_instructions.sh and model.sh, which run in this folder. arm_build DIR [LIBRARY] builds into DIR, with
-# the flags that the library ships with: the library for 64-bit ARM (DIR/library), count_arm and count_plugin.so. LIBRARY
-# is a libpupil.a that was built so before. It exits with 77 where a tool is missing.
+# build.sh: for test_instructions.sh and model.sh, which run in this folder. arm_build DIR [LIBRARY] builds into DIR,
+# with the flags that the library ships with: the library for 64-bit ARM (DIR/library), count_arm and count_plugin.so.
+# LIBRARY: a libpupil.a that was built with them before. It exits with 77 where a tool is missing.
 arm_build() {
     into=$1 library=${2:-}
     tree=$(cd ../.. && pwd)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# test_instructions.sh [ceilings|LIBRARY]: how many instructions 64-bit ARM executes per pixel, counted in qemu: the same on
-# every machine. Each number has a ceiling in ceilings.txt, and a call without options costs what its kernels cost. With
-# "ceilings" it prints ceilings 3 % above the counts. LIBRARY: see build.sh.
+# test_instructions.sh [ceilings|LIBRARY]: how many instructions 64-bit ARM executes per pixel, counted in qemu: the same
+# on every machine. Each number has a ceiling in ceilings.txt, and a call without options costs what its kernels cost.
+# With "ceilings" it prints ceilings 3 % above the counts. LIBRARY: see build.sh.
 set -eu
 cd "$(dirname "$0")"
 . ./build.sh

@@ -16,10 +16,10 @@
  *
  * The promise: once light and configuration have not changed for max(60, 12 x delay_frames) delivered frames, the shown
  * picture is within 0.1 stops of the aim (`key`, `key_at`, `ev_compensation`, or where highlights hold it back), and
- * the sensor is within 0.25 stops of its best setting, or within half of a step there, of the control with larger
- * steps. This holds whatever happened before, on every camera on which more exposure or gain never makes the picture
- * darker. Where the aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says how this is reached
- * and tested, how often it is missed, and what to do in each state (States).
+ * the sensor is within 0.25 stops of its best setting, or within half a step of the coarser control there. This holds
+ * whatever happened before, on every camera on which more exposure or gain never makes the picture darker. Where the
+ * aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says how this is reached and tested, how
+ * often it is missed, and what to do in each state (States).
  *
  * Statistics: those of pupil_meter_rows (or any other metering, stats.h) of the frame as the camera delivered it,
  * before frame_digital. Highlights and clipped light need a histogram (pupil_config.histogram). White is set once,
