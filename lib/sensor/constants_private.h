@@ -213,6 +213,9 @@
 #define SENSOR_WRONG_TIMES  6
 /* The most steps without a response in a row that are counted: each doubles the next step. */
 #define SENSOR_UNANSWERED_MOST 4
+/* So many large steps in a row that the metadata do not show are written again; then the control is taken to be dead.
+ */
+#define SENSOR_LOST_TIMES 3
 /* A noisy setting far from the profile is kept for so many frames. */
 #define SENSOR_NOISY_FRAMES 300
 /* How often a search may change the control that moves. */

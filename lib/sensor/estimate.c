@@ -279,8 +279,8 @@ static void follow_scene(sensor_estimate *a, double moved, int is_clear)
 }
 
 /* What a change of the setting may do, at least and at most: each control from nothing to twice what it should, and a
- * stop more where its steps are coarse, or may be, as those of a camera that has to be searched; or what the metadata
- * say. */
+ * stop more where its steps are coarse, or may be; in a search two, because a control may jump at the end of a range in
+ * which it does nothing; or what the metadata say. */
 static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROLS], const double now[SENSOR_CONTROLS],
                       double said, double *low, double *high)
 {
@@ -288,7 +288,7 @@ static void bounds_of(const sensor_estimate *a, const double then[SENSOR_CONTROL
     for (int c = 0; c < SENSOR_CONTROLS; c++) {
         const double asked = now[c] - then[c], most = 2.0 * asked;
         const double small = a->is_searching ? SENSOR_DIFFER_EV : SENSOR_LARGE_EV;
-        const double coarse = size_of(asked) > small ? SENSOR_COARSE_STEP_EV : 0.0;
+        const double coarse = size_of(asked) > small ? (a->is_searching ? 2.0 : 1.0) * SENSOR_COARSE_STEP_EV : 0.0;
         *low += asked < 0.0 ? most - coarse : 0.0;
         *high += asked > 0.0 ? most + coarse : 0.0;
     }

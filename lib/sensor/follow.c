@@ -152,9 +152,33 @@ static void choose(pupil_sensor_object *o, const sensor_evidence *v, double need
     }
 }
 
+/* A step larger than any camera rounds should be in force, but the metadata, which are true, did not move: the write
+ * was lost, or the control does nothing. It is written again. */
+static void write_lost_again(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_estimate *a = &o->estimate;
+    int is_lost = 0;
+    if (!s->is_large || !a->reports || !a->is_borne_out || pupil_sensor_is_on_its_way(o))
+        return;
+    for (int c = 0; c < SENSOR_CONTROLS; c++) {
+        const int has_moved = a->said[c] != o->told.said_before[c];
+        const int is_far = size_of(a->requested[c] - s->from[c]) > SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV;
+        s->lost[c] = has_moved ? 0 : s->lost[c] + (is_far && s->lost[c] <= SENSOR_LOST_TIMES);
+        if (has_moved)
+            return;
+        is_lost |= is_far && s->lost[c] <= SENSOR_LOST_TIMES;
+    }
+    if (is_lost) {
+        s->since = s->looks = 0;
+        o->setting.changed = 1;
+    }
+}
+
 void pupil_sensor_follow(pupil_sensor_object *o, const sensor_evidence *v)
 {
     sensor_search *s = &o->search;
+    write_lost_again(o);
     pupil_sensor_answer_frame(o, v);
     pupil_sensor_remember(o);
     const int is_still = o->config.lock || o->announced.frames;

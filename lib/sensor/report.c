@@ -29,7 +29,8 @@ const char *pupil_sensor_day_night_name(uint32_t day_night)
 static int is_ignored(const pupil_sensor_object *o)
 {
     const sensor_search *s = &o->search;
-    return (s->unanswered > 1 && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV) ||
+    const int is_nearest = s->is_resting && s->step_ev > 0.0; /* a search has found no better setting */
+    return (s->unanswered > 1 && !is_nearest && size_of(o->plan.wanted - o->estimate.effect) > SENSOR_WRONG_EV) ||
            (s->deaf > 1 && size_of(o->plan.beyond) > SENSOR_WRONG_EV);
 }
 

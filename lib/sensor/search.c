@@ -101,6 +101,22 @@ static int hand_over(pupil_sensor_object *o, int control, const double setting[S
     return 1;
 }
 
+/* The other control did nothing: back to the two neighbouring settings between which the search was when it took over.
+ * The nearer one is the best that the camera has. */
+static int return_to_pair(pupil_sensor_object *o)
+{
+    sensor_search *s = &o->search;
+    const sensor_seen *low = &s->pair[0], *high = &s->pair[1];
+    if (!s->has_pair || low->effect >= o->plan.wanted || high->effect < o->plan.wanted)
+        return 0;
+    move_only(o, (int)s->pair_mover, low->setting);
+    s->low = *low;
+    s->high = *high;
+    s->swaps = SENSOR_SWAPS;
+    s->has_pair = 0;
+    return 1;
+}
+
 double pupil_sensor_doubt_ev(const pupil_sensor_object *o)
 {
     return o->plan.held_back_ev > SENSOR_SETTLED_EV ? SENSOR_HIGHLIGHT_DOUBT_EV : 0.0;
@@ -138,7 +154,7 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
         return;
     }
     s->is_searching = 1;
-    s->swaps = 0;
+    s->swaps = s->has_pair = 0;
     const int may_gain = may_do(o, SENSOR_GAIN, requested, need),
               has_both = may_gain || may_do(o, SENSOR_EXPOSURE, requested, need);
     if (has_both ? may_gain : has_room(o, SENSOR_GAIN, requested, need))
@@ -166,6 +182,10 @@ static int swap(pupil_sensor_object *o, const sensor_seen *low, const sensor_see
         s->total = from_high;
     else
         return 0;
+    s->has_pair = 1;
+    s->pair_mover = SENSOR_CONTROLS - 1 - (uint32_t)other;
+    s->pair[0] = *low;
+    s->pair[1] = *high;
     return 1;
 }
 
@@ -205,7 +225,8 @@ static double narrow(pupil_sensor_object *o, const sensor_seen *low, const senso
         return total;
     const sensor_seen *near = wanted - low->effect < high->effect - wanted ? low : high;
     (void)rest_at(o, near->total, wanted - near->effect);
-    s->step_ev = step_ev <= SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
+    /* a larger step may be a setting that came late: it has to be seen twice */
+    s->step_ev = step_ev <= (s->wrong_times ? 2.0 : 1.0) * SENSOR_COARSE_STEP_EV + SENSOR_SAME_EV ? step_ev : 0.0;
     return near->total;
 }
 
@@ -235,6 +256,8 @@ static double leave(pupil_sensor_object *o, double need)
     sensor_search *s = &o->search;
     const double *requested = o->estimate.requested;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
+    if (return_to_pair(o))
+        return narrow(o, &s->pair[0], &s->pair[1]);
     if (is_one && hand_over(o, other, requested, need))
         return requested[0] + requested[1] + need;
     return rest_at(o, s->set, need);
@@ -256,6 +279,8 @@ static int replace_mover(pupil_sensor_object *o, double need)
     double setting[SENSOR_CONTROLS] = {o->estimate.requested[0], o->estimate.requested[1]}, e, g;
     if (o->search.unanswered < 2)
         return 0;
+    if (return_to_pair(o))
+        return 1;
     pupil_sensor_split_freely(o, setting[0] + setting[1], &e, &g);
     if (other == SENSOR_EXPOSURE)
         setting[SENSOR_GAIN] = pupil_log2(g);
@@ -279,7 +304,7 @@ void pupil_sensor_search_on(pupil_sensor_object *o, double need)
         return;
     if (replace_mover(o, need)) {
         s->unanswered = 0;
-    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && is_at_end(o, need)) {
+    } else if (!s->is_resting && size_of(need) > SENSOR_OFF_EV && is_at_end(o, need) && !return_to_pair(o)) {
         s->is_pinned[0] = s->is_pinned[1] = 0;
         pupil_sensor_forget_ends(s);
     }

@@ -186,9 +186,12 @@ typedef struct sensor_search {
     uint32_t weak;        /* the same that did less than expected; at most 2 */
     uint32_t is_restored; /* the profile was tried again in this light */
     uint32_t reserved;
-    uint32_t is_exchanging; /* one control is exchanged for the other in parts */
-    uint32_t is_half;       /* the next step between the ends goes to their middle */
-    sensor_seen low, high;  /* the ends: the brightest that was too dark, the darkest that was not */
+    uint32_t lost[SENSOR_CONTROLS]; /* large steps in a row after which the metadata did not move */
+    uint32_t is_exchanging;         /* one control is exchanged for the other in parts */
+    uint32_t is_half;               /* the next step between the ends goes to their middle */
+    sensor_seen low, high;          /* the ends: the brightest that was too dark, the darkest that was not */
+    sensor_seen pair[2];            /* the ends between which the other control took over */
+    uint32_t has_pair, pair_mover;
 } sensor_search;
 
 /* --- day and night --- */

@@ -14,7 +14,13 @@ enum { PLANT_WIDTH = 64, PLANT_HEIGHT = 16, PLANT_PIXELS = PLANT_WIDTH * PLANT_H
 #define PLANT_SIGMA  1.3 /* stops, of the scene */
 
 /* What info says of a frame. */
-enum { PLANT_TRUTH, PLANT_ASKED /* what was asked for last */, PLANT_NOTHING, PLANT_FIRST /* what was at first */ };
+enum {
+    PLANT_TRUTH,
+    PLANT_ASKED /* what was asked for last */,
+    PLANT_NOTHING,
+    PLANT_FIRST /* what was at first */,
+    PLANT_IN_FORCE /* of a control that ignores requests, too */
+};
 
 typedef struct plant {
     double light_ev;          /* log-average of the scene: value of a frame of 1 s and gain 1 */
@@ -31,6 +37,8 @@ typedef struct plant {
     double jitter;            /* share of the settings that come a frame later */
     uint8_t late[PLANT_RING]; /* whether the setting of frame i % PLANT_RING does */
     int pixels;               /* of the scene, whole rows */
+    uint64_t busy;            /* a setting written within so many frames of the last one is lost; 0: off */
+    uint64_t written;         /* the frame after which the last one was */
     double drops;             /* share of the frames that are lost on their way */
     double frame_s;
     uint64_t frame;
@@ -121,6 +129,8 @@ static inline double plant_tells(const plant *p, int control)
         return 0.0;
     case PLANT_FIRST:
         return p->at_first[control];
+    case PLANT_IN_FORCE:
+        return plant_in_force(p, control);
     default:
         return plant_register(p, control);
     }
@@ -157,8 +167,11 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
 /* After the frame has been measured: asks the camera for the controller's setting. */
 static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 {
-    p->asked[p->frame % PLANT_RING][0] = s->exposure_s;
-    p->asked[p->frame % PLANT_RING][1] = s->gain;
+    const int is_lost = p->busy && (!s->changed || p->frame < p->written + p->busy);
+    const uint64_t taken = is_lost ? p->frame + PLANT_RING - 1 : p->frame;
+    p->written = s->changed && !is_lost ? p->frame : p->written;
+    p->asked[p->frame % PLANT_RING][0] = is_lost ? p->asked[taken % PLANT_RING][0] : s->exposure_s;
+    p->asked[p->frame % PLANT_RING][1] = is_lost ? p->asked[taken % PLANT_RING][1] : s->gain;
     p->late[p->frame % PLANT_RING] = p->jitter > 0.0 && check_uniform() < p->jitter;
     p->frame++;
 }

@@ -3,7 +3,7 @@
 #include "sensor_plant.h"
 
 enum { NONE_IS_HELD, GAIN_IS_HELD, EXPOSURE_IS_HELD };
-enum { FRAMES = 300, LIGHT_FRAMES = 100 };
+enum { FRAMES = 300, LIGHT_FRAMES = 100, REST_FRAMES = 120 };
 static const double held[2] = {0.003, 2.0};
 
 static plant p;
@@ -86,6 +86,30 @@ static void check_just_below_mains(void)
     }
 }
 
+/* A webcam with exposures of 100 us x 2^n, a gain that does nothing, and no metadata: in light between two of its
+ * exposures the nearer one is kept. Small steps may still be asked for. */
+static int rests_without_gain(double between_ev)
+{
+    pupil_sensor_config c = plant_config(LAW_SIXTEENTH);
+    pupil_sensor_setting now;
+    int changes = 0;
+    double off = 0.0;
+    c.highlight_ev = 0.0; /* the key alone, so that the right exposure is known */
+    CHECK(pupil_sensor_init(&sensor, &c) == PUPIL_OK);
+    plant_open(&p, &sensor, log2(0.18 / 0.0064) - 3.0, 2);
+    p.lies = PLANT_NOTHING;
+    p.ignored[1] = 1;
+    for (int i = 0; i < 60 + REST_FRAMES + 60; i++) {
+        p.light_ev += i == 60 ? 3.0 + between_ev : 0.0;
+        off = plant_turn(&p, &sensor, &now, NULL);
+        changes += i >= 60 + REST_FRAMES && now.changed;
+        double *asked = p.asked[(p.frame - 1) % PLANT_RING];
+        asked[0] = 1e-4 * exp2(floor(log2(asked[0] / 1e-4) + 1e-9));
+    }
+    printf("%.3f EV from an exposure: %d settings in the last %d frames, %+.3f EV off\n", between_ev, changes, 60, off);
+    return changes <= 3 && fabs(off) <= 0.55;
+}
+
 /* Of some hundred cameras those that take rare paths of the search: the moving control has changed as often as allowed,
  * with steps and without; a gain is held during the search for the mains; the metadata of a held exposure are no longer
  * believed. */
@@ -100,5 +124,9 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof exposure / sizeof *exposure; i++)
         check_camera(exposure[i], EXPOSURE_IS_HELD);
     check_just_below_mains();
+    int resting = 0;
+    for (int i = 0; i < 24; i++)
+        resting += rests_without_gain(i / 24.0);
+    CHECK_MSG(resting >= 22, "at rest in %d of 24 lights", resting);
     return check_end();
 }

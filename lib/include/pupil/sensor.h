@@ -45,8 +45,9 @@
  * Cameras: the delays of both controls are learned from the frames. So are tone curves; gains and exposures that do
  * more, less or nothing; lost writes; and a white below the top code. All of it is checked again while the error
  * persists. While a camera ignores its settings, or the aim is more than 0.25 stops out of reach, the setting is
- * written again once a second: `changed` is then 1 with the same values. docs/camera-answers.md says what an integrator
- * configures and what is detected.
+ * written again once a second: `changed` is then 1 with the same values. Where true metadata do not show a step of over
+ * a stop, it is written again at once, three times at most. See to it that the driver does not skip equal values.
+ * docs/camera-answers.md says what an integrator configures and what is detected.
  *
  * Known changes: announce a filter that is about to be switched, or a flash that is about to fire, by
  * pupil_sensor_announce. The setting for it is requested at once, and its frames are not taken as evidence about the
@@ -151,9 +152,10 @@ typedef struct pupil_sensor_config {
     uint32_t mains_hz;        /* 50, 60, 0 (no lamps), or PUPIL_SENSOR_MAINS_AUTO, the default: found from the frames,
                                * taken as 50 until then. Exposures of half a mains period and more are multiples of half
                                * a period (rounded down to a multiple of exposure_step_s), unless that would cost more
-                               * than half a stop. Manual and held ones are so only where it is 50 or 60, or found. Of
-                               * an exposure_table the entries within 5 % of such a multiple are used, or all if there
-                               * is none */
+                               * than half a stop. With 50 or 60 they are so at the largest gain, too, whatever it
+                               * costs. Manual and held ones are so only where it is 50 or 60, or found. Of an
+                               * exposure_table the entries within 5 % of such a multiple are used, or all if there is
+                               * none */
     uint32_t exposure_mode;   /* a pupil_sensor_mode */
     uint32_t gain_mode;       /* a pupil_sensor_mode */
     double manual_exposure_s; /* for PUPIL_SENSOR_MANUAL: 1e-9..1e4; clamped to the limits, rounded to the steps */
