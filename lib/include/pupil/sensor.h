@@ -16,8 +16,9 @@
  *
  * The promise: once light and configuration have not changed for max(60, 12 x delay_frames) delivered frames, the shown
  * picture is within 0.1 stops of the aim (`key`, `key_at`, `ev_compensation`, or where highlights hold it back), and
- * the sensor is within 0.25 stops of its best setting, or within half a step of the coarser control there. This holds
- * whatever happened before, on every camera on which more exposure or gain never makes the picture darker. Where the
+ * the sensor is within 0.25 stops of its best setting, or within half a step of the camera's coarser control there.
+ * This holds whatever happened before, on every camera on which more exposure or gain never makes the picture darker.
+ * If a wrong black level is found, the picture without it is meant; the frames' mean is then above the key. Where the
  * aim is out of reach, `reason` or `limits` names the limit. docs/sensor.md says how this is reached and tested, how
  * often it is missed, and what to do in each state (States).
  *
@@ -81,7 +82,7 @@ typedef enum pupil_gain_law {
     PUPIL_GAIN_LINEAR,     /* n * gain_step */
     PUPIL_GAIN_DB,         /* 10^(n * gain_step / 20) */
     PUPIL_GAIN_RECIPROCAL, /* gain_step / (gain_step - n): 256 / (256 - n), 512 / (512 - n), ... */
-    PUPIL_GAIN_TABLE,      /* gain_table, rising */
+    PUPIL_GAIN_TABLE,      /* gain_table */
     PUPIL_GAIN_LAW_COUNT
 } pupil_gain_law;
 
@@ -124,7 +125,8 @@ typedef struct pupil_sensor_config {
     double clip;            /* the value at which a channel is full, in the unit of the statistics; 1, which is right
                              * for integer formats (their pupil_coding.white says at which code); 2^-16..2^16 */
     double trim_low;        /* share of the weight left out of the mean at the dark end; 0; 0..1 */
-    double trim_high;       /* where the kept share ends, above trim_low; 1. Read only where there is a histogram */
+    double trim_high; /* share of the weight up to which pixels count, from the dark end; above trim_low; 1. Read only
+                       * where there is a histogram */
     double highlight_share; /* at most this share of the frame may lie above clip; needs a histogram; 0.05; 0.001..1.
                              * This quantile is held a fifth of a stop below clip, which is about a bin of the
                              * histogram, so a smooth scene clips less and may be up to a fifth of a stop darker */
@@ -134,11 +136,11 @@ typedef struct pupil_sensor_config {
     double far_ev;  /* a larger error is not CONVERGED, and is corrected faster (Speed, above); stops; 0.10; 0.02..2 */
     double tau_s;   /* the filter's time constant, seconds; 0.8, a weight of 0.04 a frame at 30 a second; 0..1e6. The
                      * weight of a frame is at most 0.35 where the delays are known. Until then it is at most
-                     * 0.39 / delay_frames: no delay up to that makes it overshoot (largest k without overshoot of
-                     * x' = x - k * (x of D - 1 frames before): (D-1)^(D-1) / D^D) */
+                     * 0.39 / delay_frames: no delay up to that makes it overshoot. (An error x that is reduced by k
+                     * times its value D - 1 frames earlier overshoots if k is above (D-1)^(D-1) / D^D.) */
     double hold_ev; /* the setting is kept while the wanted total is within so many stops of it; frame_digital does
-                     * the rest. At rest, that is 32 frames after the last request and 60 after the last large step,
-                     * it is at least 0.125; 0.05; 0..0.5 */
+                     * the rest; 0.05; 0..0.5. Once 32 frames have passed since the last request, and 60 since the
+                     * last large step, at least 0.125 is used */
     double digital_ev; /* frame_digital stays within +- this many stops, without its flicker correction; 1.5; 0..8 */
 
     /* exposure time */
@@ -251,7 +253,7 @@ typedef enum pupil_sensor_reason {
                              * camera's own automatic. They are tried again; each second `changed` is 1 */
     PUPIL_SENSOR_NONLINEAR, /* a picture that should be linear does not respond as light does (slope): a tone curve, or
                              * a wrong black level */
-    PUPIL_SENSOR_HUNTING,   /* not reported any more */
+    PUPIL_SENSOR_HUNTING,   /* not reported any more; older programs may name it */
     PUPIL_SENSOR_ANNOUNCED  /* an announced change of light is awaited: nothing else moves */
 } pupil_sensor_reason;
 
@@ -289,8 +291,9 @@ typedef struct pupil_sensor_setting {
     double scene_ev;      /* log2 of the light of the scene: value / (exposure_s * gain), without flicker */
     double wanted_ev;     /* log2 of the wanted mean of that frame: clip times key, or times key_at's at its light, with
                            * ev_compensation */
-    double error_ev; /* the aim minus the total wanted before this frame, within the limits; positive: too dark. It is
-                      * not the error of what is shown: state says whether that is within far_ev */
+    double error_ev; /* by how much the total has to rise from the one that was wanted before this frame, within the
+                      * limits; positive: too dark. It is not the error of what is shown: state says whether that is
+                      * within far_ev */
     double dt_s;
     uint64_t frames;  /* frames with light since init */
     uint32_t state;   /* a pupil_sensor_state */
