@@ -152,7 +152,8 @@ static void check_pairs(void)
         c.gain_table[0] = gain;
         refused(&c, "gain_table", gain);
     }
-    static const pupil_sensor_stage wrong[] = {{1.1e4, 1}, {9e-10, 1}, {0.01, 65537}, {0.01, 1e-4}, {NAN, 1}, {1, NAN}};
+    static const pupil_sensor_stage wrong[] = {{1.1e4, 1}, {9e-10, 1}, {0.01, 65537}, {0.01, 0.75 * 0x1p-10},
+                                               {NAN, 1},   {1, NAN}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         c = wide_config();
         c.stages = 1;
