@@ -14,7 +14,7 @@ void pupil_sensor_watch_error(pupil_sensor_object *o)
     sensor_search *s = &o->search;
     const double error = o->plan.wanted - o->estimate.effect, size = size_of(error);
     const double other_light = size_of(o->plan.wanted - s->wrong_wanted);
-    const double half_ev = s->is_resting && s->step_ev > 0.0 ? 0.5 * s->step_ev + SENSOR_SAME_EV : 0.0;
+    const double half_ev = s->is_resting ? 0.5 * s->step_ev + SENSOR_SAME_EV : 0.0;
     const double right_ev = larger(half_ev, SENSOR_WRONG_EV) + pupil_sensor_doubt_ev(o);
     if (other_light > SENSOR_UNPIN_EV || (size < right_ev && !s->is_searching))
         s->wrong_times = 0;

@@ -107,13 +107,13 @@ static int return_to_pair(pupil_sensor_object *o)
 {
     sensor_search *s = &o->search;
     const sensor_seen *low = &s->pair[0], *high = &s->pair[1];
-    if (!s->has_pair || low->effect >= o->plan.wanted || high->effect < o->plan.wanted)
+    if (!low->is_seen || low->effect >= o->plan.wanted || high->effect < o->plan.wanted)
         return 0;
     move_only(o, (int)s->pair_mover, low->setting);
     s->low = *low;
     s->high = *high;
     s->swaps = SENSOR_SWAPS;
-    s->has_pair = 0;
+    s->pair[0].is_seen = 0;
     return 1;
 }
 
@@ -154,7 +154,7 @@ void pupil_sensor_begin_search(pupil_sensor_object *o, double need)
         return;
     }
     s->is_searching = 1;
-    s->swaps = s->has_pair = 0;
+    s->swaps = s->pair[0].is_seen = 0;
     const int may_gain = may_do(o, SENSOR_GAIN, requested, need),
               has_both = may_gain || may_do(o, SENSOR_EXPOSURE, requested, need);
     if (has_both ? may_gain : has_room(o, SENSOR_GAIN, requested, need))
@@ -182,7 +182,6 @@ static int swap(pupil_sensor_object *o, const sensor_seen *low, const sensor_see
         s->total = from_high;
     else
         return 0;
-    s->has_pair = 1;
     s->pair_mover = SENSOR_CONTROLS - 1 - (uint32_t)other;
     s->pair[0] = *low;
     s->pair[1] = *high;
@@ -257,7 +256,7 @@ static double leave(pupil_sensor_object *o, double need)
     const double *requested = o->estimate.requested;
     const int is_one = s->is_pinned[0] != s->is_pinned[1], other = SENSOR_CONTROLS - 1 - (int)s->mover;
     if (return_to_pair(o))
-        return narrow(o, &s->pair[0], &s->pair[1]);
+        return narrow(o, &s->low, &s->high);
     if (is_one && hand_over(o, other, requested, need))
         return requested[0] + requested[1] + need;
     return rest_at(o, s->set, need);

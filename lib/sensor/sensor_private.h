@@ -181,17 +181,16 @@ typedef struct sensor_search {
     double agreed[SENSOR_CONTROLS]; /* the last setting that did what it should */
     double agreed_effect;           /* its effect */
     uint32_t is_searching, is_resting;
-    uint32_t unanswered;  /* large steps in a row that did nothing */
-    uint32_t deaf;        /* the same, not reset by a doubt; at most 2 */
-    uint32_t weak;        /* the same that did less than expected; at most 2 */
-    uint32_t is_restored; /* the profile was tried again in this light */
-    uint32_t reserved;
+    uint32_t unanswered;            /* large steps in a row that did nothing */
+    uint32_t deaf;                  /* the same, not reset by a doubt; at most 2 */
+    uint32_t weak;                  /* the same that did less than expected; at most 2 */
+    uint32_t is_restored;           /* the profile was tried again in this light */
+    uint32_t pair_mover;            /* the control that moved between `pair` */
     uint32_t lost[SENSOR_CONTROLS]; /* large steps in a row after which the metadata did not move */
     uint32_t is_exchanging;         /* one control is exchanged for the other in parts */
     uint32_t is_half;               /* the next step between the ends goes to their middle */
     sensor_seen low, high;          /* the ends: the brightest that was too dark, the darkest that was not */
     sensor_seen pair[2];            /* the ends between which the other control took over */
-    uint32_t has_pair, pair_mover;
 } sensor_search;
 
 /* --- day and night --- */

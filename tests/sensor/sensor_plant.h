@@ -167,11 +167,11 @@ static inline pupil_frame_info plant_next(plant *p, pupil_stats *stats)
 /* After the frame has been measured: asks the camera for the controller's setting. */
 static inline void plant_ask(plant *p, const pupil_sensor_setting *s)
 {
-    const int is_lost = p->busy && (!s->changed || p->frame < p->written + p->busy);
-    const uint64_t taken = is_lost ? p->frame + PLANT_RING - 1 : p->frame;
-    p->written = s->changed && !is_lost ? p->frame : p->written;
-    p->asked[p->frame % PLANT_RING][0] = is_lost ? p->asked[taken % PLANT_RING][0] : s->exposure_s;
-    p->asked[p->frame % PLANT_RING][1] = is_lost ? p->asked[taken % PLANT_RING][1] : s->gain;
+    const int is_kept = p->busy && (!s->changed || p->frame < p->written + p->busy);
+    const double *last = p->asked[(p->frame + PLANT_RING - 1) % PLANT_RING];
+    p->written = s->changed && !is_kept ? p->frame : p->written;
+    p->asked[p->frame % PLANT_RING][0] = is_kept ? last[0] : s->exposure_s;
+    p->asked[p->frame % PLANT_RING][1] = is_kept ? last[1] : s->gain;
     p->late[p->frame % PLANT_RING] = p->jitter > 0.0 && check_uniform() < p->jitter;
     p->frame++;
 }
