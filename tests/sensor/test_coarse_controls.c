@@ -3,7 +3,8 @@
 #include "sensor_plant.h"
 
 enum { NONE_IS_HELD, GAIN_IS_HELD, EXPOSURE_IS_HELD };
-enum { FRAMES = 300, LIGHT_FRAMES = 100, REST_FRAMES = 120 };
+enum { FRAMES = 300, LIGHT_FRAMES = 100 };
+enum { EXACT_FRAMES = 60, SETTLING_FRAMES = 120, WATCHED_FRAMES = 60 };
 static const double held[2] = {0.003, 2.0};
 
 static plant p;
@@ -99,14 +100,15 @@ static int rests_without_gain(double between_ev)
     plant_open(&p, &sensor, log2(0.18 / 0.0064) - 3.0, 2);
     p.lies = PLANT_NOTHING;
     p.ignored[1] = 1;
-    for (int i = 0; i < 60 + REST_FRAMES + 60; i++) {
-        p.light_ev += i == 60 ? 3.0 + between_ev : 0.0;
+    for (int i = 0; i < EXACT_FRAMES + SETTLING_FRAMES + WATCHED_FRAMES; i++) {
+        p.light_ev += i == EXACT_FRAMES ? 3.0 + between_ev : 0.0;
         off = plant_turn(&p, &sensor, &now, NULL);
-        changes += i >= 60 + REST_FRAMES && now.changed;
+        changes += i >= EXACT_FRAMES + SETTLING_FRAMES && now.changed;
         double *asked = p.asked[(p.frame - 1) % PLANT_RING];
         asked[0] = 1e-4 * exp2(floor(log2(asked[0] / 1e-4) + 1e-9));
     }
-    printf("%.3f EV from an exposure: %d settings in the last %d frames, %+.3f EV off\n", between_ev, changes, 60, off);
+    printf("%.3f EV from an exposure: %d settings in the last %d frames, %+.3f EV off\n", between_ev, changes,
+           WATCHED_FRAMES, off);
     return changes <= 3 && fabs(off) <= 0.55;
 }
 

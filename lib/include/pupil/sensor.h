@@ -125,8 +125,8 @@ typedef struct pupil_sensor_config {
     double clip;            /* the value at which a channel is full, in the unit of the statistics; 1, which is right
                              * for integer formats (their pupil_coding.white says at which code); 2^-16..2^16 */
     double trim_low;        /* share of the weight left out of the mean at the dark end; 0; 0..1 */
-    double trim_high; /* share of the weight up to which pixels count, from the dark end; above trim_low; 1. Read only
-                       * where there is a histogram */
+    double trim_high;       /* share of the weight at which the bright end begins to be left out; above trim_low; 1.
+                             * Read only where there is a histogram */
     double highlight_share; /* at most this share of the frame may lie above clip; needs a histogram; 0.05; 0.001..1.
                              * This quantile is held a fifth of a stop below clip, which is about a bin of the
                              * histogram, so a smooth scene clips less and may be up to a fifth of a stop darker */
